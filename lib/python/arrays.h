@@ -2,11 +2,13 @@
 #pragma once
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/options/jobs.h"
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -23,6 +25,18 @@ using IndexArray = py::array_t<std::int64_t, py::array::c_style | py::array::for
 inline py::str textOf(const std::string& bytes) {
     return py::reinterpret_steal<py::str>(
         PyUnicode_DecodeUTF8(bytes.data(), static_cast<py::ssize_t>(bytes.size()), "replace"));
+}
+
+/// The style of Python for options: "target_count".
+inline std::string keywordName(const std::string& option) {
+    std::string name = option;
+    std::replace(name.begin(), name.end(), '-', '_');
+    return name;
+}
+
+/// A text of the library that names keyword arguments.
+inline py::str shownText(const std::string& text) {
+    return textOf(withOptionNames(text, keywordName));
 }
 
 /// An array of whole numbers, by value. @throws ParameterError for anything else

@@ -4,7 +4,6 @@
 #include "arrays.h"
 
 #include "vdbpack/core/progress.h"
-#include "vdbpack/options/jobs.h"
 
 #include <pybind11/pybind11.h>
 
@@ -148,7 +147,7 @@ private:
         callbacks.cancelled = [run = run_] { return run->cancelled.load(); };
         callbacks.warning = [run = run_](const std::string& text) {
             const std::lock_guard<std::mutex> lock(run->mutex);
-            run->warnings.push_back(withOptionNames(text));
+            run->warnings.push_back(text);
         };
         if (!progress_.is_none())
             callbacks.progress = [run = run_](const Progress& p) {
@@ -193,7 +192,7 @@ private:
         try {
             if (hearsSignals_ && runs && PyErr_CheckSignals() != 0) throw py::error_already_set();
             for (const std::string& text : warnings)
-                py::module_::import("vdbpack._errors").attr("warn")(textOf(text));
+                py::module_::import("vdbpack._errors").attr("warn")(shownText(text));
             if (latest) progress_(latest->stage, latest->fraction, latest->count);
         } catch (py::error_already_set& e) {
             raised = std::make_unique<py::error_already_set>(std::move(e));

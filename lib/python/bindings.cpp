@@ -17,12 +17,16 @@
 #include "vdbpack/run/run_view.h"
 #include "vdbpack/verify/pack_hash.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -31,92 +35,39 @@ using namespace vdbpack;
 
 namespace {
 
-/// What Python holds in memory, in place of files.
-struct Inputs {
-    std::shared_ptr<const TriangleMesh> mesh;
-    std::shared_ptr<const Image> image;
-    std::shared_ptr<const VdbGrid> levelSet, solid;
-    std::shared_ptr<const TriangleMesh> solidMesh;
-    std::shared_ptr<const Image> solidImage;
-    Shared pack, existing;
-    bool isTemporary = false;  // files that are gone after the run
-};
-
-Inputs inputsOf(const py::dict& given) {
-    Inputs inputs;
-    inputs.isTemporary = given.contains("temporary");
-    const auto find = [&](const char* name) -> py::object {
-        return given.contains(name) ? py::object(given[name]) : py::none();
-    };
-    if (const py::object mesh = find("mesh"); !mesh.is_none())
-        inputs.mesh = meshOf(mesh[py::int_(0)], mesh[py::int_(1)]);
-    if (const py::object mesh = find("solid_mesh"); !mesh.is_none())
-        inputs.solidMesh = meshOf(mesh[py::int_(0)], mesh[py::int_(1)]);
-    const auto imageIn = [](const py::object& image) {
-        const py::array values = py::array::ensure(image[py::int_(0)]);
-        const DoubleArray affine = DoubleArray::ensure(image[py::int_(1)]);
-        if (!values || !affine) throw ParameterError("image: arrays of numbers are needed");
-        return imageOf(values, affine);
-    };
-    if (const py::object image = find("image"); !image.is_none()) inputs.image = imageIn(image);
-    if (const py::object image = find("solid_image"); !image.is_none())
-        inputs.solidImage = imageIn(image);
-    if (const py::object set = find("level_set"); !set.is_none())
-        inputs.levelSet =
-            levelSetIn(FloatArray::ensure(set[py::int_(0)]), set[py::int_(1)].cast<double>(),
-                       set[py::int_(2)].cast<std::array<double, 3>>());
-    if (const py::object set = find("solid"); !set.is_none())
-        inputs.solid =
-            levelSetIn(FloatArray::ensure(set[py::int_(0)]), set[py::int_(1)].cast<double>(),
-                       set[py::int_(2)].cast<std::array<double, 3>>());
-    if (const py::object pack = find("pack"); !pack.is_none()) inputs.pack = pack.cast<Shared>();
-    if (const py::object pack = find("existing"); !pack.is_none())
-        inputs.existing = pack.cast<Shared>();
-    return inputs;
-}
-
+/// Gives a recipe what Python holds in memory, in place of files.
 template <class Recipe>
-void give(const Inputs& inputs, Recipe& recipe) {
-    recipe.domain.mesh = inputs.mesh;
-    recipe.domain.image = inputs.image;
-    recipe.domain.levelSet = inputs.levelSet;
-    if constexpr (std::is_base_of_v<InputPack, Recipe>)
-        if (inputs.pack) recipe.given = std::make_shared<const Pack<3>>(inSpace(*inputs.pack));
+void give(const py::dict& inputs, Recipe& recipe) {
+    const auto take = [&](const char* name, auto& field, auto make) {
+        if (inputs.contains(name)) field = make(inputs[name]);
+    };
+    const auto packIn = [](const py::object& pack) {
+        return std::make_shared<const Pack<3>>(inSpace(*pack.cast<Shared>()));
+    };
+    take("mesh", recipe.domain.mesh, meshOf);
+    take("image", recipe.domain.image, imageOf);
+    take("level_set", recipe.domain.levelSet, levelSetIn);
+    if constexpr (std::is_base_of_v<InputPack, Recipe>) take("pack", recipe.given, packIn);
     if constexpr (std::is_base_of_v<MeasureRecipe, Recipe>) {
-        recipe.solid = inputs.solid;
-        recipe.solidMesh = inputs.solidMesh;
-        recipe.solidImage = inputs.solidImage;
+        take("solid", recipe.solid, levelSetIn);
+        take("solid_mesh", recipe.solidMesh, meshOf);
+        take("solid_image", recipe.solidImage, imageOf);
     }
     if constexpr (std::is_base_of_v<PackRecipe, Recipe>)
-        if (inputs.existing)
-            recipe.givenExisting = std::make_shared<const Pack<3>>(inSpace(*inputs.existing));
-    // A recipe with arrays cannot be repeated from a file.
-    if (inputs.mesh || inputs.image || inputs.levelSet || inputs.pack || inputs.existing)
-        recipe.optionsText.clear();
+        take("existing", recipe.givenExisting, packIn);
+    // A recipe with arrays, or with files that are gone after the run, cannot be repeated.
+    if (!inputs.empty()) recipe.optionsText.clear();
 }
 
 /// What a run returns, before Python's lock is taken again.
 struct Outcome {
-    std::optional<std::variant<Pack<3>, Pack<2>>> pack;
+    Shared pack;
     std::variant<std::vector<Ellipsoid<3>>, std::vector<Ellipsoid<2>>> voids;
     std::vector<std::shared_ptr<const VdbGrid>> levelSets;
     std::optional<TriangleMesh> mesh;
     std::string report, summary, failures, picture;
     bool passed = true;
 };
-
-Outcome outcomeOf(RunResult&& run, bool hasPack) {
-    Outcome outcome;
-    outcome.report = toJson(run).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    outcome.summary = summary(run);
-    outcome.failures = failures(run);
-    outcome.passed = run.passed;
-    outcome.voids = std::move(run.voids);
-    outcome.levelSets = std::move(run.levelSets);
-    outcome.picture = std::move(run.picture.png);
-    if (hasPack) outcome.pack = std::move(run.pack);
-    return outcome;
-}
 
 template <class Result>
 Outcome tableOf(const Result& result) {
@@ -126,49 +77,63 @@ Outcome tableOf(const Result& result) {
     return outcome;
 }
 
-Outcome perform(const PackJob& job, const Callbacks& callbacks) {
-    if (job.dryRun) return tableOf(dryRunPack(job, callbacks));
-    if (!job.study.isOne())
-        throw ParameterError("seed: one run at a time; loop over the seeds of a study");
-    return outcomeOf(runPack(recipeForSeed<PackRecipe>(job, job.study.seeds.front()), callbacks),
-                     true);
-}
-Outcome perform(const VoidsJob& job, const Callbacks& callbacks) {
-    if (!job.study.isOne())
-        throw ParameterError("seed: one run at a time; loop over the seeds of a study");
-    return outcomeOf(runVoids(recipeForSeed<VoidsRecipe>(job, job.study.seeds.front()), callbacks),
-                     false);
-}
-Outcome perform(const CarveRecipe& job, const Callbacks& callbacks) {
-    return outcomeOf(runCarve(job, callbacks), true);
-}
-Outcome perform(const DensifyRecipe& job, const Callbacks& callbacks) {
-    return outcomeOf(runDensify(job, callbacks), true);
-}
-Outcome perform(const VerifyRecipe& job, const Callbacks& callbacks) {
-    return outcomeOf(runVerify(job, callbacks), false);
-}
-Outcome perform(const MeasureRecipe& job, const Callbacks& callbacks) {
-    return tableOf(runMeasure(job, callbacks));
-}
-Outcome perform(const ConvertRecipe& job, const Callbacks& callbacks) {
-    return tableOf(runConvert(job, callbacks));
-}
-Outcome perform(const MeshRecipe& job, const Callbacks& callbacks) {
-    MeshResult result = runMesh(job, callbacks);
-    Outcome outcome = tableOf(result);
-    outcome.passed = result.passed;
-    outcome.failures = failures(result);
-    outcome.mesh = std::move(result.mesh);
+Outcome outcomeOf(RunResult&& run, bool hasPack) {
+    Outcome outcome = tableOf(run);
+    outcome.failures = failures(run);
+    outcome.passed = run.passed;
+    outcome.voids = std::move(run.voids);
+    outcome.levelSets = std::move(run.levelSets);
+    outcome.picture = std::move(run.picture.png);
+    if (hasPack) outcome.pack = std::make_shared<PackData>(PackData{std::move(run.pack)});
     return outcome;
 }
-Outcome perform(const ImageRecipe& job, const Callbacks& callbacks) {
-    return tableOf(runImage(job, callbacks));
+
+void requireOne(const Study& study) {
+    if (!study.isOne())
+        throw ParameterError("seed: one run at a time; loop over the seeds of a study");
 }
 
-Outcome perform(const ViewJob& job, const Callbacks& callbacks) {
-    return tableOf(runView(job, callbacks));
-}
+/// Each command.
+struct Perform {
+    const Callbacks& callbacks;
+
+    Outcome operator()(const PackJob& job) const {
+        if (job.dryRun) return tableOf(dryRunPack(job, callbacks));
+        requireOne(job.study);
+        return outcomeOf(
+            runPack(recipeForSeed<PackRecipe>(job, job.study.seeds.front()), callbacks), true);
+    }
+    Outcome operator()(const VoidsJob& job) const {
+        requireOne(job.study);
+        return outcomeOf(
+            runVoids(recipeForSeed<VoidsRecipe>(job, job.study.seeds.front()), callbacks), false);
+    }
+    Outcome operator()(const CarveRecipe& job) const {
+        return outcomeOf(runCarve(job, callbacks), true);
+    }
+    Outcome operator()(const DensifyRecipe& job) const {
+        return outcomeOf(runDensify(job, callbacks), true);
+    }
+    Outcome operator()(const VerifyRecipe& job) const {
+        return outcomeOf(runVerify(job, callbacks), false);
+    }
+    Outcome operator()(const MeshRecipe& job) const {
+        MeshResult result = runMesh(job, callbacks);
+        Outcome outcome = tableOf(result);
+        outcome.passed = result.passed;
+        outcome.failures = failures(result);
+        outcome.mesh = std::move(result.mesh);
+        return outcome;
+    }
+    Outcome operator()(const MeasureRecipe& job) const {
+        return tableOf(runMeasure(job, callbacks));
+    }
+    Outcome operator()(const ConvertRecipe& job) const {
+        return tableOf(runConvert(job, callbacks));
+    }
+    Outcome operator()(const ImageRecipe& job) const { return tableOf(runImage(job, callbacks)); }
+    Outcome operator()(const ViewJob& job) const { return tableOf(runView(job, callbacks)); }
+};
 
 /// A level set that Python may ask for as an array.
 struct LevelSetData {
@@ -217,20 +182,55 @@ py::tuple arrayOf(const VdbGrid& grid) {
     return py::make_tuple(values, dense.spacing, dense.origin.c);
 }
 
-/// One command: its words, options that it must know and that are not set, and what words do not
-/// say. @return a dict for the package
-py::dict runCommand(const std::vector<std::string>& words, const std::vector<std::string>& unset,
-                    const py::dict& given, const py::object& progress) {
-    const auto job = std::make_shared<Job>(jobOf(words, unset));
-    const Inputs inputs = inputsOf(given);
+/// The type of a value of an option in the stub, where `Path`, `Radius` and `Numbers` are types of
+/// the package.
+std::string typeOf(const Option& option) {
+    static const std::map<OptionKind, const char*> types{
+        {OptionKind::flag, "bool"},    {OptionKind::text, "str"},
+        {OptionKind::number, "float"}, {OptionKind::length, "float"},
+        {OptionKind::count, "int"},    {OptionKind::numbers, "Numbers"}};
+    if (option.kind == OptionKind::choice)
+        return fmt::format("Literal['{}']", fmt::join(option.words, "', '"));
+    if (option.file == FileIn::sizes) return "Radius";
+    return option.file == FileIn::none || option.file == FileIn::voids ? types.at(option.kind)
+                                                                       : "Path";
+}
+
+/// The name of each command, what it does, and its options.
+std::vector<std::tuple<std::string, std::string, std::vector<Option>>> optionTable() {
+    std::vector<std::tuple<std::string, std::string, std::vector<Option>>> table;
+    PrintOptions print;
+    for (CommandText command : commandTexts())
+        table.emplace_back(command.name, command.help, optionsOf(command.job, print));
+    return table;
+}
+
+/// One command: its words, and what words do not say.
+/// @param words    the command and its arguments.
+/// @param options  by their keywords, without a value: flags.
+/// @param unset    keywords of options that it must know and that are not set.
+/// @return a dict for the package
+py::dict runCommand(std::vector<std::string> words,
+                    const std::vector<std::pair<std::string, std::optional<std::string>>>& options,
+                    std::vector<std::string> unset, const py::dict& inputs,
+                    const py::object& progress) {
+    const auto named = [](std::string keyword) {
+        std::replace(keyword.begin(), keyword.end(), '_', '-');
+        return keyword;
+    };
+    for (const auto& [keyword, value] : options) {
+        words.push_back(optionName(named(keyword)));
+        if (value) words.push_back(*value);
+    }
+    std::transform(unset.begin(), unset.end(), unset.begin(), named);
+    const auto job = std::make_shared<Job>(jobOf(words, unset, keywordName));
     std::visit([&](auto& recipe) { give(inputs, recipe); }, *job);
-    Outcome outcome = Attended(progress).run([job](const Callbacks& callbacks) {
-        return std::visit([&](const auto& recipe) { return perform(recipe, callbacks); }, *job);
-    });
+    Outcome outcome = Attended(progress).run(
+        [job](const Callbacks& callbacks) { return std::visit(Perform{callbacks}, *job); });
     py::dict result;
     result["report"] = outcome.report;
-    result["summary"] = textOf(withOptionNames(outcome.summary));
-    result["failures"] = textOf(withOptionNames(outcome.failures));
+    result["summary"] = shownText(outcome.summary);
+    result["failures"] = shownText(outcome.failures);
     result["passed"] = outcome.passed;
     result["picture"] = py::bytes(outcome.picture);
     result["voids"] = std::visit([](const auto& voids) { return arraysOf(voids); }, outcome.voids);
@@ -239,12 +239,7 @@ py::dict runCommand(const std::vector<std::string>& words, const std::vector<std
         sets[py::str(levelSetName(*grid))] = py::cast(LevelSetData{grid});
     result["level_sets"] = sets;
     result["mesh"] = outcome.mesh ? py::object(arraysOf(*outcome.mesh)) : py::none();
-    result["pack"] = py::none();
-    if (outcome.pack) {
-        auto data = std::make_shared<PackData>();
-        data->pack = std::move(*outcome.pack);
-        result["pack"] = py::cast(data);
-    }
+    result["pack"] = outcome.pack;
     return result;
 }
 
@@ -278,11 +273,12 @@ py::tuple pairs(const Shared& data, double tolerance) {
     const auto n = static_cast<py::ssize_t>(found.size());
     py::array_t<std::int64_t> indices({n, py::ssize_t{2}});
     py::array_t<double> gaps(n);
-    for (py::ssize_t k = 0; k < n; ++k) {
-        const Contact& c = found[static_cast<std::size_t>(k)];
-        indices.mutable_at(k, 0) = c.i;
-        indices.mutable_at(k, 1) = c.j;
-        gaps.mutable_at(k) = c.gap;
+    std::int64_t* index = indices.mutable_data();
+    double* gap = gaps.mutable_data();
+    for (const Contact& c : found) {
+        *index++ = c.i;
+        *index++ = c.j;
+        *gap++ = c.gap;
     }
     return py::make_tuple(indices, gaps);
 }
@@ -291,8 +287,7 @@ py::tuple pairs(const Shared& data, double tolerance) {
 void translate(std::exception_ptr failure) {
     const auto raise = [](const char* name, const std::string& text) {
         const py::module_ errors = py::module_::import("vdbpack._errors");
-        PyErr_SetObject(errors.attr(name).ptr(),
-                        py::object(errors.attr("named")(textOf(withOptionNames(text)))).ptr());
+        PyErr_SetObject(errors.attr(name).ptr(), shownText(text).ptr());
     };
     try {
         if (failure) std::rethrow_exception(failure);
@@ -337,8 +332,20 @@ PYBIND11_MODULE(_core, m) {
             return flat ? py::object(py::float_(flat->sliceHeight)) : py::object(py::none());
         });
     py::module_::import("atexit").attr("register")(py::cpp_function(&Attended::stopAll));
-    m.def("run", &runCommand, py::arg("words"), py::arg("unset"), py::arg("inputs"),
-          py::arg("progress"));
+    py::class_<Option>(m, "Option")
+        .def_readonly("name", &Option::name)
+        .def_property_readonly("keyword", [](const Option& o) { return keywordName(o.name); })
+        .def_property_readonly("type", &typeOf)
+        .def_property_readonly("is_length",
+                               [](const Option& o) { return o.kind == OptionKind::length; })
+        .def_readonly("shown", &Option::shown)
+        .def_readonly("group", &Option::group)
+        .def_readonly("help", &Option::help)
+        .def_readonly("letter", &Option::letter)
+        .def_readonly("repeats", &Option::repeats);
+    m.def("options", &optionTable);
+    m.def("run", &runCommand, py::arg("words"), py::arg("options"), py::arg("unset"),
+          py::arg("inputs"), py::arg("progress"));
     m.def("read", &readFile, py::arg("file"), py::arg("unit"), py::arg("grid"));
     m.def("write", &writeFile, py::arg("pack"), py::arg("file"), py::arg("unit"));
 }

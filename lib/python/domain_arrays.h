@@ -17,10 +17,10 @@
 
 namespace vdbpack {
 
-inline std::shared_ptr<const TriangleMesh> meshOf(const py::object& vertices,
-                                                  const py::object& faces) {
-    const DoubleArray points = DoubleArray::ensure(vertices);
-    const IndexArray corners = wholeNumbers(faces, "faces");
+/// @param arrays  vertices and faces.
+inline std::shared_ptr<const TriangleMesh> meshOf(const py::tuple& arrays) {
+    const DoubleArray points = DoubleArray::ensure(arrays[0]);
+    const IndexArray corners = wholeNumbers(arrays[1], "faces");
     if (!points || points.ndim() != 2 || points.shape(1) != 3)
         throw ParameterError("vertices: an array of numbers of shape (N, 3) is needed");
     if (corners.ndim() != 2 || corners.shape(1) != 3)
@@ -60,8 +60,11 @@ inline std::int32_t fitting(const py::array& values) {
     return 0;
 }
 
-/// @param affine  from indices to mm, in the world of DICOM (LPS), 4 x 4
-inline std::shared_ptr<const Image> imageOf(const py::array& values, const DoubleArray& affine) {
+/// @param arrays  values, and the matrix from indices to mm in the world of DICOM (LPS), 4 x 4.
+inline std::shared_ptr<const Image> imageOf(const py::tuple& arrays) {
+    const py::array values = py::array::ensure(arrays[0]);
+    const DoubleArray affine = DoubleArray::ensure(arrays[1]);
+    if (!values || !affine) throw ParameterError("image: arrays of numbers are needed");
     if (values.ndim() != 3) throw ParameterError("image: an array of three dimensions is needed");
     if (affine.ndim() != 2 || affine.shape(0) != 4 || affine.shape(1) != 4)
         throw ParameterError("affine: a matrix of shape (4, 4) is needed");
@@ -110,15 +113,16 @@ inline std::shared_ptr<const Image> imageOf(const py::array& values, const Doubl
     return image;
 }
 
-inline std::shared_ptr<const VdbGrid> levelSetIn(const FloatArray& values, double spacing,
-                                                 const std::array<double, 3>& origin) {
+/// @param given  values, spacing and origin.
+inline std::shared_ptr<const VdbGrid> levelSetIn(const py::tuple& given) {
+    const FloatArray values = FloatArray::ensure(given[0]);
     if (!values || values.ndim() != 3)
         throw ParameterError("level set: an array of numbers of three dimensions is needed");
     DenseLevelSet dense;
     for (std::size_t d = 0; d < 3; ++d)
         dense.size[d] = static_cast<std::size_t>(values.shape(static_cast<py::ssize_t>(d)));
-    dense.spacing = spacing;
-    dense.origin = {origin};
+    dense.spacing = given[1].cast<double>();
+    dense.origin = {given[2].cast<std::array<double, 3>>()};
     if (!std::isfinite(squaredLength(dense.origin)))
         throw ParameterError("origin: its coordinates must be finite");
     dense.values.assign(values.data(), values.data() + values.size());

@@ -26,3 +26,9 @@ def cube(side=10.0, shift=(0.0, 0.0, 0.0)):
          [2, 4, 6], [1, 3, 5], [3, 7, 5]]
     )
     return side * corners + numpy.array(shift), faces
+
+
+def write_off(file, mesh):
+    """Writes (vertices, faces) as a mesh file."""
+    rows = [f"{x} {y} {z}" for x, y, z in mesh[0]] + [f"3 {a} {b} {c}" for a, b, c in mesh[1]]
+    file.write_text("\n".join(["OFF", f"{len(mesh[0])} {len(mesh[1])} 0", *rows, ""]))

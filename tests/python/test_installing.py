@@ -25,7 +25,7 @@ def test_installed_module(tmp_path):
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path,
                           env={**os.environ, "PYTHONPATH": str(packages[0])}).stdout
     assert said.startswith(str(packages[0])) and said.endswith("True\n")
-    assert (packages[0] / "vdbpack/py.typed").is_file() and (packages[0] / "vdbpack/_core.pyi").is_file()
+    assert (packages[0] / "vdbpack/py.typed").is_file() and all((packages[0] / f"vdbpack/{stub}.pyi").is_file() for stub in ("_core", "_commands"))
 
 
 def test_pyproject():

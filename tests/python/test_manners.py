@@ -19,7 +19,9 @@ VERTICES, FACES = cube(10)
     "domain, options, error, word",
     [
         (vdbpack.box(5, 5, 5), {"radius": "uniform:2"}, vdbpack.ParameterError, "uniform"),
-        (vdbpack.box(5, 5, 5), {"radios": 1}, vdbpack.ParameterError, "radios"),
+        (vdbpack.box(5, 5, 5), {"radios": 1}, vdbpack.ParameterError, "radios is not an option of pack; did you mean radius?"),
+        (vdbpack.box(5, 5, 5), {"density_classes": 3}, vdbpack.ParameterError, "density_classes requires calibrate"),
+        (vdbpack.box(5, 5, 5), {"block_side": "a"}, vdbpack.ParameterError, "block_side: 'a' is not a number"),
         (vdbpack.box(5, 5, 5), {"keep_conected": False}, vdbpack.ParameterError, "keep_connected"),
         (vdbpack.box(5, 5, 5), {"radius": 1, "effort": "most"}, vdbpack.ParameterError, "effort"),
         (vdbpack.box(5, 5, 5), {"radius": 1, "target_bvtv": 0.5}, vdbpack.ParameterError, "target_bvtv"),
@@ -49,6 +51,17 @@ def test_errors(domain, options, error, word):
     assert word in str(told.value)
     assert "--" not in str(told.value)
     assert isinstance(told.value, vdbpack.Error)
+
+
+def test_errors_quote_files_as_they_are_named():
+    with pytest.raises(vdbpack.FileError, match="left--shell-radius.stl"):
+        vdbpack.pack("left--shell-radius.stl", radius=1)
+
+
+def test_a_recipe_that_cannot_repeat_the_run_is_not_left(tmp_path):
+    for radius, leaves in (1.0, True), (vdbpack.table([1, 1.2], [0.5, 0.5]), False):
+        vdbpack.pack(vdbpack.ball(5), radius=radius, output=tmp_path / f"{leaves}.csv")
+        assert (tmp_path / f"{leaves}.recipe.toml").is_file() == leaves
 
 
 def test_errors_are_also_pythons_own():

@@ -8,7 +8,7 @@ import types
 
 import numpy
 import pytest
-from conftest import cube
+from conftest import cube, write_off
 
 import vdbpack
 
@@ -60,10 +60,7 @@ def test_mesh_from_arrays(program, tmp_path):
     high = pack.positions + pack.radii[:, None]
     assert low.min() >= -1e-9 and high.max() <= 12 + 1e-9
     # The same mesh as a file gives the same pack.
-    with open(tmp_path / "cube.off", "w") as file:
-        file.write(f"OFF\n{len(vertices)} {len(faces)} 0\n")
-        file.writelines(f"{x} {y} {z}\n" for x, y, z in vertices)
-        file.writelines(f"3 {a} {b} {c}\n" for a, b, c in faces)
+    write_off(tmp_path / "cube.off", (vertices, faces))
     assert vdbpack.pack(tmp_path / "cube.off", radius="uniform:0.5,1").hash == pack.hash
     # As do other layouts and types of the arrays, and a unit.
     other = (numpy.asfortranarray(vertices / 1000), faces.astype(numpy.uint8))
@@ -345,9 +342,7 @@ def test_voids_can_be_pickled():
 
 def test_files_named_like_commands_and_options(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    vertices, faces = cube(8)
-    text = f"OFF\n{len(vertices)} {len(faces)} 0\n" + "".join(f"{x} {y} {z}\n" for x, y, z in vertices)
-    (tmp_path / "-x.off").write_text(text + "".join(f"3 {a} {b} {c}\n" for a, b, c in faces))
+    write_off(tmp_path / "-x.off", cube(8))
     assert len(vdbpack.pack("-x.off", radius=0.8)) > 20
     with pytest.raises(vdbpack.Error, match="mesh"):
         vdbpack.pack("mesh", radius=0.8)  # a file, not a command
@@ -364,8 +359,7 @@ def test_failed_checks_say_why():
 
 
 def test_parts_of_a_file(tmp_path):
-    (tmp_path / "a.off").write_text("OFF\n8 12 0\n" + "".join(
-        f"{x} {y} {z}\n" for x, y, z in cube(8)[0]) + "".join(f"3 {a} {b} {c}\n" for a, b, c in cube(8)[1]))
+    write_off(tmp_path / "a.off", cube(8))
     (tmp_path / "p.toml").write_text("[[part]]\nname = 'a'\ndomain = 'a.off'\n")
     assert len(vdbpack.pack(parts=str(tmp_path / "p.toml"), radius=0.8)) > 20
 

@@ -1,6 +1,7 @@
 #include "cli/completion.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/options/command_line.h"
 
 #include <CLI/CLI.hpp>
@@ -29,13 +30,6 @@ std::vector<const CLI::Option*> optionsOf(const CLI::App& command) {
     return options;
 }
 
-std::vector<std::string> namesOf(const CLI::Option& option) {
-    std::vector<std::string> names;
-    for (const auto& name : option.get_lnames()) names.push_back("--" + name);
-    for (const auto& name : option.get_snames()) names.push_back("-" + name);
-    return names;
-}
-
 std::string bashScript(const CLI::App& app) {
     std::vector<std::string> commands;
     std::string cases;
@@ -44,7 +38,7 @@ std::string bashScript(const CLI::App& app) {
         std::vector<std::string> names;
         std::string words;
         for (const auto* option : optionsOf(*command)) {
-            const auto own = namesOf(*option);
+            const auto own = splitAt(option->get_name(false, true), ',');
             names.insert(names.end(), own.begin(), own.end());
             const auto known = wordsOf(*option);
             if (!known.empty())

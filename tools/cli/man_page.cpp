@@ -10,11 +10,15 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <map>
 #include <vector>
 
 using namespace vdbpack;
 
 namespace {
+
+const std::map<char, std::string> kEscapes{{'\\', "\\e"},  {'-', "\\-"},   {'\'', "\\(aq"},
+                                           {'`', "\\(ga"}, {'^', "\\(ha"}, {'~', "\\(ti"}};
 
 /// `text` without what roff takes for requests and escapes. Breaks of lines end paragraphs.
 std::string escaped(const std::string& text) {
@@ -27,16 +31,8 @@ std::string escaped(const std::string& text) {
             continue;
         }
         if (lineBegins && (c == '.' || c == '\'')) out += "\\&";
-        if (c == '\\')
-            out += "\\e";
-        else if (c == '-' || c == '\'' || c == '`' || c == '^' || c == '~')
-            out += c == '-'    ? "\\-"
-                   : c == '\'' ? "\\(aq"
-                   : c == '`'  ? "\\(ga"
-                   : c == '^'  ? "\\(ha"
-                               : "\\(ti";
-        else
-            out += c;
+        const auto escape = kEscapes.find(c);
+        out += escape == kEscapes.end() ? std::string(1, c) : escape->second;
         lineBegins = false;
     }
     return out;

@@ -67,8 +67,9 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     std::string shell;
     CLI::App* completion = app.add_subcommand(
         "completion", "complete options in a shell: source <(vdb_pack completion bash)");
-    setWords(*completion->add_option("SHELL", shell, "bash, zsh or fish")->required(),
-             {"bash", "zsh", "fish"});
+    completion->add_option("SHELL", shell, "bash, zsh or fish")
+        ->required()
+        ->type_name("bash|zsh|fish");
     std::string demoFolder = "vdb_pack-demo";
     CLI::App* demo =
         app.add_subcommand("demo", "pack a femur that comes with the program, as a first example");

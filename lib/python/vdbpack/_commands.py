@@ -20,6 +20,7 @@ from ._sizes import Table
 __all__ = ["pack", "densify", "carve", "voids", "verify", "measure", "morphometry", "convert", "repair", "inspect_mesh",
            "inspect_image", "predict"]
 
+_TABLE = {command: {option.keyword: option for option in options} for command, _, options in _core.options()}
 PackLike = Union[Pack, str, "os.PathLike[str]"]
 
 
@@ -37,52 +38,54 @@ def _value(name: str, value: Any) -> str:
     raise ParameterError(f"{name}: {type(value).__name__} is no value of an option")
 
 
-def _words(options: Mapping[str, Any], folder: str) -> Tuple[List[str], List[str]]:
-    """Options as words, and the names of those that are None or False."""
-    words: List[str] = []
+def _given(command: str, options: Mapping[str, Any], folder: str) -> Tuple[List[Tuple[str, Optional[str]]], List[str]]:
+    """Options with their texts, None for flags, and the names of those that are None or False."""
+    given: List[Tuple[str, Optional[str]]] = []
     unset: List[str] = []
     for name, value in options.items():
-        option = "--" + name.replace("_", "-")
+        option = _TABLE[command].get(name)
         if not re.fullmatch("[a-z][a-z0-9_]*", name) or name == "help":
             raise ParameterError(f"{name!r}: is no option")
         if isinstance(value, numpy.bool_):
             value = bool(value)
         if value is None or value is False:
-            unset.append(option[2:])
-            continue
-        if name == "preview" and value is True:
-            words += [option, os.path.join(folder, "preview.png")]
+            unset.append(name)
+        elif name == "preview" and value is True:
+            given.append((name, os.path.join(folder, "preview.png")))
             if options.get("preview_size") is None:  # as notebooks show it
-                words += ["--preview-size", "480x480"]
+                given.append(("preview_size", "480x480"))
         elif value is True:
-            words.append(option)
+            given.append((name, None))
         elif isinstance(value, Table):
             file = os.path.join(folder, f"{name}.csv")
             with open(file, "w", encoding="utf-8") as table:
                 table.write(value.text())
-            words += [option, "table:" + file]
-        elif name in ("radius", "void_radius", "void_aspect") and isinstance(value, numbers.Real):
-            words += [option, f"constant:{float(value)!r}"]
-        elif isinstance(value, (list, tuple)) and (name == "output" or isinstance(value, list) and name != "label"):
-            for one in value:
-                words += [option, _value(name, one)]
+            given.append((name, "table:" + file))
+        elif option and option.type == "Radius" and isinstance(value, numbers.Real):
+            given.append((name, f"constant:{float(value)!r}"))
+        elif option and option.repeats and isinstance(value, (list, tuple)):
+            given += [(name, _value(name, one)) for one in value]
         elif isinstance(value, (tuple, list, numpy.ndarray)):
-            words += [option, ",".join(_value(name, one) for one in value)]
+            given.append((name, ",".join(_value(name, one) for one in value)))
         else:
-            words += [option, _value(name, value)]
-    return words, unset
+            given.append((name, _value(name, value)))
+    return given, unset
 
 
-def _run(
-    words: List[str], options: Mapping[str, Any], inputs: Dict[str, Any], progress: Progress
-) -> Dict[str, Any]:
+def _run(command: str, first: Tuple[str, Dict[str, Any]], options: Mapping[str, Any], progress: Progress,
+         domain: Optional[Domain] = None) -> Dict[str, Any]:
+    """Runs a command on its first argument, if it has one, and on a domain; both with their arrays."""
+    word, inputs = first
+    if domain is not None:
+        name, arrays = domain_words(domain)
+        options, inputs = {"domain": name, **options}, {**inputs, **arrays}
+    if any(isinstance(v, Table) for v in options.values()) or options.get("preview") is True:
+        inputs["temporary"] = True
     show = progress_of(progress)
     try:
         with tempfile.TemporaryDirectory(prefix="vdbpack-") as folder:
-            gone = any(isinstance(v, Table) for v in options.values()) or options.get("preview") is True
-            given = {**inputs, "temporary": True} if gone else inputs
-            more, unset = _words(options, folder)
-            return _core.run(words + more, unset, given, show)
+            given, unset = _given(command, options, folder)
+            return _core.run([command, word] if word else [command], given, unset, inputs, show)
     finally:
         if isinstance(show, Bar):
             show.close()
@@ -104,35 +107,8 @@ def _pack_word(given: PackLike, name: str = "given") -> Tuple[str, Dict[str, Any
     return file_word(given), {}
 
 
-def _on_pack(
-    command: str, given: PackLike, domain: Optional[Domain], options: Mapping[str, Any], progress: Progress
-) -> Dict[str, Any]:
-    word, inputs = _pack_word(given)
-    return _within(command, word, inputs, domain, options, progress)
-
-
-def _within(
-    command: str,
-    word: str,
-    inputs: Dict[str, Any],
-    domain: Optional[Domain],
-    options: Mapping[str, Any],
-    progress: Progress,
-) -> Dict[str, Any]:
-    words = [command, word]
-    if domain is not None:
-        name, more = domain_words(domain)
-        words += ["--domain", name]
-        inputs.update(more)
-    return _run(words, options, inputs, progress)
-
-
 def pack(
-    domain: Optional[Domain] = None,
-    *,
-    existing: Optional[PackLike] = None,
-    progress: Progress = None,
-    **options: Any,
+    domain: Optional[Domain] = None, *, existing: Optional[PackLike] = None, progress: Progress = None, **options: Any
 ) -> Pack:
     """Fills a domain with spheres (circles in 2D) that do not overlap, and checks the result.
 
@@ -143,8 +119,9 @@ def pack(
     progress: a callable that takes stage, share and count; True or False; by default a bar where
         there is a terminal or a notebook.
     options: those of `vdb_pack pack`, with underscores for dashes, lengths in mm: radius,
-        target_count, densify, shell, voids, seed, output, ... True sets a flag, lists repeat an
-        option, tuples are numbers with commas between. preview=True draws the picture without a file.
+        target_count, densify, shell, voids, seed, output, ... True sets a flag. Lists and tuples repeat an
+        option that may be repeated, and are numbers with commas between for others. preview=True draws
+        the picture without a file.
 
     Raises ParameterError, InputError, FileError, ResourceError; KeyboardInterrupt.
     """
@@ -157,13 +134,12 @@ def _pack_run(
     domain: Optional[Domain], existing: Optional[PackLike], progress: Progress, options: Mapping[str, Any]
 ) -> Dict[str, Any]:
     word, inputs = ("", {}) if domain is None else domain_words(domain)
-    given = dict(options)
     if isinstance(existing, Pack):
         inputs["existing"] = existing._data
-        given["existing"] = "(existing)"
+        options = {**options, "existing": "(existing)"}
     elif existing is not None:
-        given["existing"] = _pack_word(existing, "existing")[0]
-    return _run(["pack", word] if word else ["pack"], given, inputs, progress)
+        options = {**options, "existing": _pack_word(existing, "existing")[0]}
+    return _run("pack", (word, inputs), options, progress)
 
 
 def densify(given: PackLike, domain: Domain, *, progress: Progress = None, **options: Any) -> Pack:
@@ -172,7 +148,7 @@ def densify(given: PackLike, domain: Domain, *, progress: Progress = None, **opt
     given: a `Pack` or a file. domain, progress: as for `pack`.
     options: those of `vdb_pack densify`: densify ("max" or a solid fraction), gap, seed, ...
     """
-    return _packed(_on_pack("densify", given, domain, options, progress))
+    return _packed(_run("densify", _pack_word(given), options, progress, domain))
 
 
 def carve(given: PackLike, domain: Domain, *, progress: Progress = None, **options: Any) -> Pack:
@@ -181,7 +157,7 @@ def carve(given: PackLike, domain: Domain, *, progress: Progress = None, **optio
     given: a `Pack` or a file. domain, progress: as for `pack`.
     options: those of `vdb_pack carve`: voids, shell, target_bvtv, void_radius, ...; lengths in mm.
     """
-    return _packed(_on_pack("carve", given, domain, options, progress))
+    return _packed(_run("carve", _pack_word(given), options, progress, domain))
 
 
 def voids(domain: Domain, *, progress: Progress = None, **options: Any) -> Voids:
@@ -189,39 +165,28 @@ def voids(domain: Domain, *, progress: Progress = None, **options: Any) -> Voids
 
     domain, progress: as for `pack`. options: those of `vdb_pack voids`; lengths in mm.
     """
-    word, inputs = domain_words(domain)
-    result = _run(["voids", word], options, inputs, progress)
+    result = _run("voids", domain_words(domain), options, progress)
     return Voids(_report(result), result["voids"], result["level_sets"])
 
 
-def verify(
-    given: PackLike, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any
-) -> Report:
+def verify(given: PackLike, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any) -> Report:
     """Checks any pack for overlaps and, with a domain, for protrusions. `passed` says the result.
 
     given: a `Pack` or a file. domain, progress: as for `pack`. options: those of `vdb_pack verify`.
     """
-    return _report(_on_pack("verify", given, domain, options, progress))
+    return _report(_run("verify", _pack_word(given), options, progress, domain))
 
 
-def measure(
-    given: PackLike, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any
-) -> Report:
+def measure(given: PackLike, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any) -> Report:
     """Measures a pack (density, contacts, sizes, g(r)), or a solid (morphometry: BV/TV, Tb.Th, ...).
 
     given: a `Pack`, or a file of a pack or of a solid (.vdb, .stl, ...). domain, progress: as for
     `pack`. options: those of `vdb_pack measure`; lengths in mm.
     """
-    return _report(_on_pack("measure", given, domain, options, progress))
+    return _report(_run("measure", _pack_word(given), options, progress, domain))
 
 
-def morphometry(
-    solid: Domain,
-    domain: Optional[Domain] = None,
-    *,
-    progress: Progress = None,
-    **options: Any,
-) -> Report:
+def morphometry(solid: Domain, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any) -> Report:
     """Measures a solid: BV/TV, Tb.Th, Tb.Sp, anisotropy, connectivity; lengths in mm.
 
     solid: a `level_set`, such as `voids(...).solid`, a mesh, an `image` with its `label` or `threshold`,
@@ -233,17 +198,15 @@ def morphometry(
         raise ParameterError("solid: a pack is none; measure(pack, morphometry=True) measures its spheres as a solid")
     word, given = domain_words(solid)
     inputs: Dict[str, Any] = {{"level_set": "solid"}.get(name, "solid_" + name): arrays for name, arrays in given.items()}
-    return _report(_within("measure", word, inputs, domain, options, progress))
+    return _report(_run("measure", (word, inputs), options, progress, domain))
 
 
-def convert(
-    given: PackLike, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any
-) -> Report:
+def convert(given: PackLike, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any) -> Report:
     """Writes a pack or a solid in other formats (`output`), with columns of grey values if wanted.
 
     given: a `Pack` or a file. domain, progress: as for `pack`. options: those of `vdb_pack convert`.
     """
-    return _report(_on_pack("convert", given, domain, options, progress))
+    return _report(_run("convert", _pack_word(given), options, progress, domain))
 
 
 def predict(
@@ -261,8 +224,7 @@ def repair(domain: Domain, *, progress: Progress = None, **options: Any) -> Mesh
 
     Returns a `Mesh`, whose `report` says what was wrong and what has been changed.
     """
-    word, inputs = domain_words(domain)
-    result = _run(["mesh", word], {"repair": True, **options}, inputs, progress)
+    result = _run("mesh", domain_words(domain), {"repair": True, **options}, progress)
     vertices, faces = result["mesh"]
     return Mesh(vertices, faces, _report(result))
 
@@ -272,8 +234,7 @@ def inspect_mesh(domain: Domain, *, progress: Progress = None, **options: Any) -
 
     domain: as for `repair`. options: those of `vdb_pack mesh`.
     """
-    word, inputs = domain_words(domain)
-    return _report(_run(["mesh", word], options, inputs, progress))
+    return _report(_run("mesh", domain_words(domain), options, progress))
 
 
 def inspect_image(domain: Domain, *, progress: Progress = None, **options: Any) -> Report:
@@ -281,5 +242,4 @@ def inspect_image(domain: Domain, *, progress: Progress = None, **options: Any) 
 
     domain: a file, a folder, or an `image`. options: those of `vdb_pack image`.
     """
-    word, inputs = domain_words(domain)
-    return _report(_run(["image", word], options, inputs, progress))
+    return _report(_run("image", domain_words(domain), options, progress))

@@ -32,8 +32,21 @@ class PackData:
     @property
     def slice_height(self) -> Optional[float]: ...
 
+class Option:
+    name: str
+    keyword: str
+    type: str
+    is_length: bool
+    shown: str
+    group: str
+    help: str
+    letter: str
+    repeats: bool
+
+def options() -> list[tuple[str, str, list[Option]]]: ...
 def run(
     words: list[str],
+    options: list[tuple[str, Optional[str]]],
     unset: list[str],
     inputs: dict[str, Any],
     progress: Optional[Callable[[str, float, float], None]],

@@ -9,13 +9,13 @@ from typing import Any, Optional, Tuple, Union
 import numpy
 import numpy.typing
 
+from . import _core
 from ._errors import ParameterError
 
 __all__ = ["Shape", "Image", "LevelSet", "Mesh", "Domain", "level_set", "box", "ball", "cylinder", "rect", "disc", "image"]
 
 Array = numpy.typing.NDArray[Any]
-_COMMANDS = ("pack", "voids", "carve", "densify", "verify", "measure", "convert", "mesh", "image", "view",
-             "completion", "demo")
+_COMMANDS = tuple(command for command, _, _ in _core.options())
 
 
 def plain(values: Any, name: str) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 import warnings
 
@@ -33,14 +32,9 @@ class VdbpackWarning(UserWarning):
     """Something in the input or the result that should be looked at."""
 
 
-def named(text: str) -> str:
-    """A message with the names of keyword arguments in place of options."""
-    return re.sub(r"--([a-z][a-z0-9-]+)", lambda m: m[1].replace("-", "_"), text)
-
-
 def warn(text: str) -> None:
     """Warns at the line that called the package."""
     level, frame = 2, sys._getframe(1)
     while frame.f_back and frame.f_globals.get("__name__", "").startswith(__package__ + "."):
         level, frame = level + 1, frame.f_back
-    warnings.warn(named(text), VdbpackWarning, stacklevel=level)
+    warnings.warn(text, VdbpackWarning, stacklevel=level)

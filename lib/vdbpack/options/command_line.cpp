@@ -1,6 +1,7 @@
 #include "vdbpack/options/command_line.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/options/recipe_toml.h"
 #include "vdbpack/options/usage_error.h"
 #include "vdbpack/voids/trabecular_presets.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 #include <type_traits>
 #include <utility>
 
@@ -17,52 +17,55 @@ namespace vdbpack {
 
 namespace {
 
-/// How the parser knows an option: "-o,--output".
-std::string parserName(const Option& option) {
-    const std::string name = optionName(option.name);
-    return option.letter.empty() ? name : '-' + option.letter + ',' + name;
-}
-
-/// Sets the field of an option from its texts, one after the other.
-bool setAll(const Option& option, const std::vector<std::string>& texts) {
-    for (const std::string& text : texts) option.set(text);
-    return true;
-}
-
 void add(CLI::App& app, const Option& option) {
+    const std::string help = withOptionNames(option.help);
+    const std::string letter = option.letter.empty() ? "" : '-' + option.letter + ',';
+    const std::string names = letter + optionName(option.name);
     CLI::Option* added = nullptr;
     if (option.kind == OptionKind::flag)
         added = app.add_flag_callback(
-            parserName(option), [&option] { option.set("true"); }, option.help);
+            names, [&option] { option.set("true"); }, help);
     else
         added = app.add_option(
-            parserName(option),
-            [&option](const CLI::results_t& texts) { return setAll(option, texts); }, option.help);
+            names,
+            [&option](const CLI::results_t& texts) {
+                for (const std::string& text : texts) option.set(text);
+                return true;
+            },
+            help);
     if (added->nonpositional()) added->option_text(option.shown)->group(option.group);
     if (option.repeats) {
         added->expected(1, CLI::detail::expected_max_vector_size)->take_all();
         added->allow_extra_args(false);
     }
     if (option.required) added->required();
-    if (!option.words.empty()) setWords(*added, option.words);
+    if (!option.words.empty())
+        added->type_name(fmt::format("{}", fmt::join(option.words, "|")));  // for `wordsOf`
     if (option.name == "trabecular")
         added->each([](const std::string& name) {
             if (name == "list") throw CLI::CallForVersion(presetTable(), 0);
         });
 }
 
-/// Says which options exclude or need one another.
-void relate(CLI::App& app, const Option& option) {
-    CLI::Option* const own = app.get_option(optionName(option.name));
-    if (!option.excludes.empty()) own->excludes(app.get_option(optionName(option.excludes)));
-    if (!option.needs.empty()) own->needs(app.get_option(optionName(option.needs)));
+/// Refuses options that exclude, or lack, one another.
+void requireRelated(const Command& command) {
+    const auto isGiven = [&](const std::string& name) {
+        return command.app->get_option(optionName(name))->count() > 0;
+    };
+    const auto marked = [](const std::string& name) { return '`' + name + '`'; };
+    for (const Option& option : command.options) {
+        if (!isGiven(option.name)) continue;
+        if (!option.excludes.empty() && isGiven(option.excludes))
+            throw CLI::ExcludesError(marked(option.name), marked(option.excludes));
+        if (!option.needs.empty() && !isGiven(option.needs))
+            throw CLI::RequiresError(marked(option.name), marked(option.needs));
+    }
 }
 
 Command commandIn(CLI::App& app, const CommandText& text, PrintOptions& print) {
     Command command{app.add_subcommand(text.name, text.help), std::make_unique<Job>(text.job), {}};
     command.options = optionsOf(*command.job, print);
     for (const Option& option : command.options) add(*command.app, option);
-    for (const Option& option : command.options) relate(*command.app, option);
     return command;
 }
 
@@ -70,9 +73,7 @@ Command commandIn(CLI::App& app, const CommandText& text, PrintOptions& print) {
 /// @param base  those options, without a domain.
 std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
     std::vector<PackRecipe> parts;
-    const auto fail = [](const std::string& what) {
-        throw CLI::ValidationError(optionName("parts"), what);
-    };
+    const auto fail = [](const std::string& what) { throw CLI::ValidationError("`parts`", what); };
     if (!base.domain.source.empty())
         fail("the parts have domains of their own; leave out '" + base.domain.source + "'");
     for (PartWords& words : readPartsFile(file, &fileIn)) {
@@ -81,32 +82,34 @@ std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
         Command command = commandIn(app, {"pack", "", base}, unused);
         PackJob& part = std::get<PackJob>(*command.job);
         part.name = words.name;
+        const std::string where = file + ": part '" + part.name + "': ";
         words.arguments.insert(words.arguments.begin(), "pack");
-        std::reverse(words.arguments.begin(), words.arguments.end());
         try {
-            app.parse(words.arguments);
+            app.parse(std::vector<std::string>(words.arguments.rbegin(), words.arguments.rend()));
+            requireRelated(command);
             part.voids = voidsOf(part.request);
-        } catch (const CLI::ParseError& e) {
-            fail(file + ": part '" + words.name + "': " + e.what());
+        } catch (const CLI::ParseError& e) {  // options as the file writes them
+            fail(where +
+                 usageError(app, e, words.arguments, [](const std::string& n) { return n; }));
         } catch (const ParameterError& e) {
-            fail(file + ": part '" + words.name + "': " + e.what());
+            fail(where + e.what());
         }
         if (!part.partsFile.empty()) fail("parts have no parts of their own");
         if (part.outputs.size() != base.outputs.size() || part.reportFile != base.reportFile ||
             part.preview.file != base.preview.file)
-            fail(file + ": part '" + words.name +
-                 "': outputs, reports and pictures are of all parts; give them outside of the "
-                 "file");
+            fail(where +
+                 "outputs, reports and pictures are of all parts; give them outside of the file");
         parts.push_back(std::move(part));
     }
     return parts;
 }
 
-void addParts(PackJob& job) {
-    if (job.partsFile.empty()) return;
+bool addParts(PackJob& job) {
+    if (job.partsFile.empty()) return false;
     PackJob base = job;
     base.partsFile.clear();
     job.parts = partsIn(job.partsFile, base);
+    return true;
 }
 
 /// Whether a job has options of voids.
@@ -114,25 +117,24 @@ template <class Recipe>
 constexpr bool kHasVoids = std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VoidsJob> ||
                            std::is_same_v<Recipe, CarveJob>;
 
-void addParts(VerifyRecipe& job) {
-    if (job.partsFile.empty()) return;
+bool addParts(VerifyRecipe& job) {
+    if (job.partsFile.empty()) return false;
     PackJob base;
-    base.domain = job.domain;
+    base.domain = std::exchange(job.domain, {});
     job.parts = partsIn(job.partsFile, base);
-    job.domain = {};
+    return true;
 }
 
 void complete(const Command& command, const std::vector<std::string>& words) {
+    requireRelated(command);
     std::visit(
         [&](auto& recipe) {
             DomainRecipe& domain = recipe.domain;
             if (domain.source.empty()) domain.source = parseCavities(domain.cavities).outer;
             bool hasParts = false;
             using Recipe = std::decay_t<decltype(recipe)>;
-            if constexpr (std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VerifyRecipe>) {
-                addParts(recipe);
-                hasParts = !recipe.parts.empty();
-            }
+            if constexpr (std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VerifyRecipe>)
+                hasParts = addParts(recipe);
             if (domain.source.empty() && !hasParts && command.app->get_option_no_throw("DOMAIN"))
                 throw CLI::RequiredError("DOMAIN");
             if constexpr (kHasVoids<Recipe>) recipe.voids = voidsOf(recipe.request);
@@ -163,7 +165,8 @@ std::optional<Job> parsedJob(std::vector<Command>& commands,
     return std::move(*command->job);
 }
 
-Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>& unset) {
+Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>& unset,
+          OptionStyle style) {
     CLI::App app;
     PrintOptions print;
     std::vector<Command> commands = addCommands(app, print);
@@ -175,10 +178,10 @@ Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>&
             if (const std::string option = optionName(name);
                 parsed.front()->get_option_no_throw(option) == nullptr &&
                 app.get_option_no_throw(option) == nullptr)
-                throw ParameterError(unknownOption(app, *parsed.front(), option));
+                throw ParameterError(unknownOption(app, *parsed.front(), option, style));
         return *parsedJob(commands, words);
     } catch (const CLI::ParseError& e) {
-        throw ParameterError(usageError(app, e, words));
+        throw ParameterError(usageError(app, e, words, style));
     }
 }
 
@@ -191,14 +194,8 @@ std::string shellQuoted(const std::string& word) {
     return quoted + "'";
 }
 
-void setWords(CLI::Option& option, const std::vector<std::string>& words) {
-    option.type_name(fmt::format("{}", fmt::join(words, "|")));
-}
-
 std::vector<std::string> wordsOf(const CLI::Option& option) {
-    std::vector<std::string> words;
-    std::istringstream name(option.get_type_name());
-    for (std::string word; std::getline(name, word, '|');) words.push_back(word);
+    auto words = splitAt(option.get_type_name(), '|');
     if (words.size() < 2) words.clear();
     return words;
 }

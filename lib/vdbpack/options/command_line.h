@@ -30,14 +30,14 @@ std::optional<Job> parsedJob(std::vector<Command>& commands, const std::vector<s
 
 /// The recipe of a command ("pack") and its words, as after `vdb_pack`, for programs that call it.
 /// @param unset  options that are not set, such as "quiet", but must be options of the command.
+/// @param style  how errors show unknown options; others stand in them for `withOptionNames`.
 /// @throws ParameterError with what is wrong; as reading the files that options name
-Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>& unset = {});
+Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>& unset = {},
+          OptionStyle style = optionName);
 
 /// A word as a shell takes it.
 std::string shellQuoted(const std::string& word);
 
-/// Marks an option of the parser as one of some words.
-void setWords(CLI::Option& option, const std::vector<std::string>& words);
 /// The words that an option of the parser takes; empty if it takes anything.
 std::vector<std::string> wordsOf(const CLI::Option& option);
 

@@ -1,4 +1,5 @@
 // Which options each command has, and what is known of all of them.
+#include "vdbpack/io/text.h"
 #include "vdbpack/options/jobs.h"
 #include "vdbpack/options/option_rows.h"
 
@@ -20,11 +21,6 @@ const Names<Fill> kFills{{"domain", Fill::domain}, {"solid", Fill::solid}};
 void partsOption(OptionList& rows, std::string& file, const char* help) {
     rows.group("Domain");
     rows.text("parts", "FILE.toml", file, help).as("partsFile").naming(FileIn::whole);
-}
-
-void jsonFlag(OptionList& rows, PrintOptions& print, const char* help) {
-    rows.group("Run");
-    rows.flag("json", print.json, help).passing();
 }
 
 void list(OptionList& rows, PackJob& job, PrintOptions& print) {
@@ -116,14 +112,14 @@ void list(OptionList& rows, VerifyRecipe& job, PrintOptions& print) {
                "search N points of the domain for vacancies that have room for a sphere of 1.02 "
                "mean radii")
         .as("vacancySamples");
-    jsonFlag(rows, print, kResultAsJson);
+    rows.flag("json", print.json, kResultAsJson).passing();
 }
 
 void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
     inputPackOptions(rows, job, "FILE",
                      std::string("a pack: ") + kPackHelp +
                          "; or a solid: a level set (.vdb), a mesh (.stl .obj .off .ply .vtk) or "
-                         "an image (with --label or --threshold)");
+                         "an image (with `label` or `threshold`)");
     outputOption(rows, job.outputs, "contacts:FILE.csv: the pairs in contact");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     rows.group("Domain");
@@ -135,11 +131,11 @@ void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
               "of a pack: measure the union of its spheres as a solid, too")
         .as("sphereMorphometry");
     rows.length("dilation", "D [5 % of the mean radius]", job.dilation, Range::notNegative,
-                "added to the radii for --morphometry, mm, so that contacts become necks");
+                "added to the radii for `morphometry`, mm, so that contacts become necks");
     reportOption(rows, job,
                  "write all values: .json for programs, .html as a page with charts for the "
                  "browser");
-    jsonFlag(rows, print, "print all values as JSON");
+    rows.flag("json", print.json, "print all values as JSON").passing();
 }
 
 void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
@@ -155,7 +151,7 @@ void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
     rows.text("grid", "NAME [first]", job.packGrid, "point grid (or level set) to take from a .vdb")
         .as("gridName packGrid");
     domainOption(rows, job.domain,
-                 "domain whose level set or surface can be written too, and to which --density "
+                 "domain whose level set or surface can be written too, and to which `density` "
                  "bulk:D refers: ");
     imageOptions(rows, job.domain);
     rows.length("voxel", "H [automatic]", job.domain.voxelSize, Range::positive,
@@ -184,10 +180,10 @@ void list(OptionList& rows, MeshRecipe& job, PrintOptions& print) {
     rows.text("FILE", "", job.domain.source, "mesh (.stl .obj .ply .off .vtp .vtk)")
         .naming(FileIn::pack)
         .required = true;
-    outputOption(rows, job.outputs, "write the mesh as .stl; with --repair, the repaired mesh");
+    outputOption(rows, job.outputs, "write the mesh as .stl; with `repair`, the repaired mesh");
     rows.group("Run");
     rows.flag("check", job.check,
-              "exit with code 1 if the mesh cannot be packed as it is; with --repair, if it cannot "
+              "exit with code 1 if the mesh cannot be packed as it is; with `repair`, if it cannot "
               "be packed once repaired");
     repairOptions(rows, job.domain);
     fileOptions(rows, job, job.domain, print);
@@ -230,13 +226,11 @@ struct AllCommands {
     AllCommands() {
         for (CommandText& command : commands)
             for (Option& row : optionsOf(command.job, print)) {
-                for (std::size_t at = 0; at < row.fields.size();) {
-                    const std::size_t end = std::min(row.fields.find(' ', at), row.fields.size());
-                    optionOfField.emplace(row.fields.substr(at, end - at), optionName(row.name));
-                    at = end + 1;
-                }
+                for (const std::string& field : splitAt(row.fields, ' '))
+                    optionOfField.emplace(field, row.name);
                 rows.push_back(std::move(row));
             }
+        for (const Option& row : rows) optionOfField.emplace(row.name, row.name);
     }
 };
 
@@ -284,7 +278,7 @@ FileIn fileIn(const std::string& option) {
     return found == rows.end() ? FileIn::none : found->file;
 }
 
-std::string withOptionNames(const std::string& message) {
+std::string withOptionNames(const std::string& message, OptionStyle style) {
     const auto& names = allCommands().optionOfField;
     std::string text;
     std::size_t at = 0;
@@ -299,7 +293,7 @@ std::string withOptionNames(const std::string& message) {
             at = open + 1;
             continue;
         }
-        text += known->second;
+        text += style(known->second);
         at = close + 1;
     }
 }
@@ -307,10 +301,7 @@ std::string withOptionNames(const std::string& message) {
 std::vector<std::pair<std::string, std::string>> givenOptions(Job job) {
     std::vector<std::pair<std::string, std::string>> given;
     PrintOptions print;
-    const auto sameKind = std::find_if(
-        commandTexts().begin(), commandTexts().end(),
-        [&](const CommandText& command) { return command.job.index() == job.index(); });
-    Job usual = sameKind->job;
+    Job usual = std::visit([](const auto& j) { return Job(std::decay_t<decltype(j)>()); }, job);
     const std::vector<Option> rows = optionsOf(job, print), defaults = optionsOf(usual, print);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Option& row = rows[i];

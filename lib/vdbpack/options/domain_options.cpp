@@ -43,7 +43,7 @@ void domainOptions(OptionList& rows, DomainRecipe& domain) {
     rows.number("scale", "F [1]", domain.scale, Range::any, "further factor on the file's lengths");
     rows.group("Domain");
     rows.text("grid", "NAME [first]", domain.gridName,
-              "level set, or with --threshold fog volume, to take from a .vdb")
+              "level set, or with `threshold` fog volume, to take from a .vdb")
         .as("gridName packGrid");
     imageOptions(rows, domain);
     rows.text("slice", "z=V", domain.slice,
@@ -66,17 +66,17 @@ void imageOptions(OptionList& rows, DomainRecipe& domain) {
     rows.number("threshold", "V", domain.threshold, Range::any,
                 "take an image, or a fog volume of a .vdb, as the domain where its values are at "
                 "least V");
-    rows.text("label", "L", domain.label,
-              "label of an image to fill, by value or name; A+B joins two to one domain. With "
-              "pack and verify, A,B and all are several parts, each with its own surface");
+    rows.numbers("label", "L", domain.label,
+                 "label of an image to fill, by value or name; A+B joins two to one domain. With "
+                 "pack and verify, A,B and all are several parts, each with its own surface");
     imagePlacement(rows, domain);
 }
 
 void imagePlacement(OptionList& rows, DomainRecipe& domain) {
     rows.group("Domain");
-    rows.text("voxel-spacing", "X,Y,Z|D", domain.voxelSpacing,
-              "distances of voxels, mm: of an image whose files state none, such as TIFF; else "
-              "of the label maps that are written (-o labels:FILE)");
+    rows.numbers("voxel-spacing", "X,Y,Z|D", domain.voxelSpacing,
+                 "distances of voxels, mm: of an image whose files state none, such as TIFF; else "
+                 "of the label maps that are written (-o labels:FILE)");
     rows.choice("space", "lps|ras [lps]", domain.space, kSpaces,
                 "axes of the world of images: lps (x to the left, y to the back, as in DICOM) or "
                 "ras (x to the right, y to the front, as in NIfTI)");
@@ -88,11 +88,11 @@ void repairOptions(OptionList& rows, DomainRecipe& domain) {
               "repair a mesh that has holes, inverted or duplicate triangles, or overlapping or "
               "loose components; -o FILE.stl writes the repaired mesh");
     rows.length("repair-voxel", "H [automatic]", domain.repairVoxel, Range::positive,
-                "voxel size where --repair remeshes the surface, mm; smaller voxels keep thinner "
+                "voxel size where `repair` remeshes the surface, mm; smaller voxels keep thinner "
                 "walls");
     rows.choice("repair-components", "together|separate [together]", domain.repairComponents,
                 kRepairComponents,
-                "how --repair treats the surface components of the mesh. separate: each by "
+                "how `repair` treats the surface components of the mesh. separate: each by "
                 "itself, so that bones in one file stay apart unless they intersect; together: "
                 "the inside is that of all triangles");
     rows.text("cavities", "keep|fill|[outer=FILE,]inner=FILE [keep]", domain.cavities,
@@ -102,7 +102,7 @@ void repairOptions(OptionList& rows, DomainRecipe& domain) {
         .naming(FileIn::cavities);
     // The name and the words of former recipes.
     Option& former =
-        rows.custom("shells", "", "former name of --cavities", [&domain](const std::string& text) {
+        rows.custom("shells", "", "former name of `cavities`", [&domain](const std::string& text) {
             domain.cavities = text == "cavity" ? "keep" : text == "solid" ? "fill" : text;
         });
     former.naming(FileIn::cavities).hiddenIf(true).excludes = "cavities";
@@ -110,8 +110,8 @@ void repairOptions(OptionList& rows, DomainRecipe& domain) {
 
 void shellFromOption(OptionList& rows, DomainRecipe& domain) {
     rows.choice("shell-from", "walls|outer [walls]", domain.shellFrom, kShellFrom,
-                "what --shell is measured from. walls: all walls; outer: the outer surface alone, "
-                "not the walls of cavities nor the planes of --clip");
+                "what `shell` is measured from. walls: all walls; outer: the outer surface alone, "
+                "not the walls of cavities nor the planes of `clip`");
 }
 
 }  // namespace vdbpack

@@ -65,9 +65,9 @@ std::vector<Option> optionsOf(Job& job, PrintOptions& print);
 /// Where the value of an option of that name holds a file, in any command.
 FileIn fileIn(const std::string& option);
 
-/// The text with each field of a recipe that stands between backquotes, such as `targetCount`,
-/// replaced by its option.
-std::string withOptionNames(const std::string& message);
+/// The text with each option that stands between backquotes, by its name or by the field of a
+/// recipe that it sets, such as `targetCount`, in a style.
+std::string withOptionNames(const std::string& message, OptionStyle style = optionName);
 
 /// Name and value of each option of a job that differs from its default, for the page of a report.
 std::vector<std::pair<std::string, std::string>> givenOptions(Job job);

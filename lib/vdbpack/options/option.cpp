@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -25,23 +26,6 @@ std::string fieldName(const std::string& option) {
     return name;
 }
 
-double numberIn(const std::string& name, const std::string& text, Range range) {
-    double value = 0;
-    if (!parseReal(text, value))
-        throw ParameterError(fmt::format("{}: '{}' is not a number", optionName(name), text));
-    const bool fits = range == Range::any || (range == Range::positive ? value > 0 : value >= 0);
-    if (!(fits && std::isfinite(value)))
-        throw ParameterError(fmt::format("{}: '{}' must be a {}", optionName(name), text,
-                                         range == Range::positive ? "positive number"
-                                         : range == Range::any    ? "finite number"
-                                                                  : "number of 0 or more"));
-    return value;
-}
-
-std::string textOf(double value) {
-    return fmt::format("{:.10g}", value);
-}
-
 }  // namespace
 
 std::string optionName(const std::string& name) {
@@ -51,7 +35,7 @@ std::string optionName(const std::string& name) {
 
 Option& OptionList::add(const char* name, const char* shown, OptionKind kind, std::string help,
                         std::function<void(const std::string&)> set,
-                        std::function<std::vector<std::string>()> get) {
+                        std::function<std::string()> get) {
     Option option;
     option.name = name;
     option.fields = fieldName(name);
@@ -60,7 +44,11 @@ Option& OptionList::add(const char* name, const char* shown, OptionKind kind, st
     option.help = std::move(help);
     option.kind = kind;
     option.set = std::move(set);
-    option.get = std::move(get);
+    option.get = [get = std::move(get)]() -> std::vector<std::string> {
+        std::string text = get ? get() : std::string();
+        if (text.empty()) return {};
+        return {std::move(text)};
+    };
     rows_.push_back(std::move(option));
     return rows_.back();
 }
@@ -68,10 +56,7 @@ Option& OptionList::add(const char* name, const char* shown, OptionKind kind, st
 Option& OptionList::flag(const char* name, bool& field, std::string help) {
     return add(
         name, "", OptionKind::flag, std::move(help), [&field](const std::string&) { field = true; },
-        [&field]() -> std::vector<std::string> {
-            if (!field) return {};
-            return {"yes"};
-        });
+        [&field] { return field ? "yes" : ""; });
 }
 
 Option& OptionList::text(const char* name, const char* shown, std::string& field,
@@ -79,55 +64,42 @@ Option& OptionList::text(const char* name, const char* shown, std::string& field
     return add(
         name, shown, OptionKind::text, std::move(help),
         [&field, name](const std::string& text) {
-            if (text.empty()) throw ParameterError(optionName(name) + ": must not be empty");
+            if (text.empty()) throw ParameterError(fmt::format("`{}`: must not be empty", name));
             field = text;
         },
-        [&field]() -> std::vector<std::string> {
-            if (field.empty()) return {};
-            return {field};
-        });
+        [&field] { return field; });
 }
 
 Option& OptionList::texts(const char* name, const char* shown, std::vector<std::string>& field,
                           std::string help) {
-    Option& option = add(
-        name, shown, OptionKind::text, std::move(help),
-        [&field](const std::string& text) { field.push_back(text); }, [&field] { return field; });
+    Option& option = custom(name, shown, std::move(help),
+                            [&field](const std::string& text) { field.push_back(text); });
+    option.get = [&field] { return field; };
     option.repeats = true;
     return option;
-}
-
-Option& OptionList::number(const char* name, const char* shown, double& field, Range range,
-                           std::string help) {
-    return add(
-        name, shown, OptionKind::number, std::move(help),
-        [&field, name, range](const std::string& text) { field = numberIn(name, text, range); },
-        [&field]() -> std::vector<std::string> {
-            if (field == 0) return {};
-            return {textOf(field)};
-        });
-}
-
-Option& OptionList::number(const char* name, const char* shown, std::optional<double>& field,
-                           Range range, std::string help) {
-    return add(
-        name, shown, OptionKind::number, std::move(help),
-        [&field, name, range](const std::string& text) { field = numberIn(name, text, range); },
-        [&field]() -> std::vector<std::string> {
-            if (!field) return {};
-            return {textOf(*field)};
-        });
 }
 
 Option& OptionList::custom(const char* name, const char* shown, std::string help,
                            std::function<void(const std::string&)> set,
                            std::function<std::string()> get) {
-    return add(name, shown, OptionKind::text, std::move(help), std::move(set),
-               [get = std::move(get)]() -> std::vector<std::string> {
-                   std::string text = get ? get() : std::string();
-                   if (text.empty()) return {};
-                   return {std::move(text)};
-               });
+    return add(name, shown, OptionKind::text, std::move(help), std::move(set), std::move(get));
+}
+
+double OptionList::numberIn(const std::string& name, const std::string& text, Range range) {
+    double value = 0;
+    if (!parseReal(text, value))
+        throw ParameterError(fmt::format("`{}`: '{}' is not a number", name, text));
+    const bool fits = range == Range::any || (range == Range::positive ? value > 0 : value >= 0);
+    if (!(fits && std::isfinite(value)))
+        throw ParameterError(fmt::format("`{}`: '{}' must be a {}", name, text,
+                                         range == Range::positive ? "positive number"
+                                         : range == Range::any    ? "finite number"
+                                                                  : "number of 0 or more"));
+    return value;
+}
+
+std::string OptionList::textOf(const std::optional<double>& value) {
+    return value ? fmt::format("{:.10g}", *value) : std::string();
 }
 
 std::uint64_t OptionList::wholeNumber(const std::string& name, const std::string& text,
@@ -145,15 +117,16 @@ std::uint64_t OptionList::wholeNumber(const std::string& name, const std::string
         whole = true;
     }
     if (whole && value >= least && value <= most) return value;
-    throw ParameterError(fmt::format("{}: '{}' must be a whole number from {} to {}{}{}",
-                                     optionName(name), text, least, most,
-                                     remedy.empty() ? "" : "; ", remedy));
+    throw ParameterError(fmt::format("`{}`: '{}' must be a whole number from {} to {}{}{}", name,
+                                     text, least, most, remedy.empty() ? "" : "; ", remedy));
 }
 
-void OptionList::refuseWord(const std::string& name, const std::string& text,
-                            const std::vector<std::string>& known) {
+std::size_t OptionList::indexOf(const std::string& name, const std::string& text,
+                                const std::vector<std::string>& words) {
+    const auto found = std::find(words.begin(), words.end(), text);
+    if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
     throw ParameterError(
-        fmt::format("{}: '{}' is not one of {}", optionName(name), text, fmt::join(known, ", ")));
+        fmt::format("`{}`: '{}' is not one of {}", name, text, fmt::join(words, ", ")));
 }
 
 }  // namespace vdbpack

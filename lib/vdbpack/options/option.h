@@ -1,6 +1,7 @@
 // A row of the table of options, bound to the field of a recipe that it sets.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -25,7 +26,7 @@ enum class FileIn {
 };
 
 /// What the text of an option is; decides its type in Python and its unit on a page.
-enum class OptionKind { flag, text, number, length, count, choice };
+enum class OptionKind { flag, text, number, numbers, length, count, choice };
 
 /// Numbers that an option takes.
 enum class Range { any, notNegative, positive };
@@ -51,6 +52,7 @@ struct Option {
 
     Option& as(std::string names) { return assign(fields, std::move(names)); }
     Option& naming(FileIn in) { return assign(file, in); }
+    Option& of(OptionKind what) { return assign(kind, what); }
     Option& taking(std::vector<std::string> some) { return assign(words, std::move(some)); }
     Option& hiddenIf(bool hidden) { return hidden ? assign(group, std::string()) : *this; }
     Option& passing() { return assign(inRecipes, false); }
@@ -78,55 +80,59 @@ public:
     Option& flag(const char* name, bool& field, std::string help);
     /// A text that is not empty.
     Option& text(const char* name, const char* shown, std::string& field, std::string help);
+    /// One or several numbers, or a word in their place.
+    Option& numbers(const char* name, const char* shown, std::string& field, std::string help) {
+        return text(name, shown, field, std::move(help)).of(OptionKind::numbers);
+    }
     /// Texts, one each time that the option is given.
     Option& texts(const char* name, const char* shown, std::vector<std::string>& field,
                   std::string help);
-    Option& number(const char* name, const char* shown, double& field, Range range,
-                   std::string help);
-    Option& number(const char* name, const char* shown, std::optional<double>& field, Range range,
-                   std::string help);
+    /// @param field  a double, of which 0 is not shown on pages, or std::optional<double>.
+    template <class Field>
+    Option& number(const char* name, const char* shown, Field& field, Range range,
+                   std::string help) {
+        return add(
+            name, shown, OptionKind::number, std::move(help),
+            [&field, name, range](const std::string& text) { field = numberIn(name, text, range); },
+            [&field] { return textOf(field); });
+    }
     /// The same in mm.
     template <class Field>
     Option& length(const char* name, const char* shown, Field& field, Range range,
                    std::string help) {
-        Option& option = number(name, shown, field, range, std::move(help));
-        option.kind = OptionKind::length;
-        return option;
+        return number(name, shown, field, range, std::move(help)).of(OptionKind::length);
     }
     /// A whole number, also as 1e6. @param remedy  for the message about others; may be empty.
     template <class Whole>
     Option& count(const char* name, const char* shown, Whole& field, std::uint64_t least,
                   std::uint64_t most, std::string help, std::string remedy = {}) {
         static_assert(std::is_integral_v<Whole>);
-        Option& option = add(
+        return add(
             name, shown, OptionKind::count, std::move(help),
             [&field, least, most, name, remedy = std::move(remedy)](const std::string& text) {
                 field = static_cast<Whole>(wholeNumber(name, text, least, most, remedy));
             },
-            [&field, initial = field]() -> std::vector<std::string> {
-                if (field == initial) return {};
-                return {std::to_string(field)};
+            [&field, initial = field] {
+                return field == initial ? std::string() : std::to_string(field);
             });
-        return option;
     }
     /// One of some names.
     template <class Value>
     Option& choice(const char* name, const char* shown, Value& field, const Names<Value>& names,
                    std::string help) {
-        std::vector<std::string> all;
-        for (const auto& each : names) all.push_back(each.first);
-        Option& option = add(
-            name, shown, OptionKind::choice, std::move(help),
-            [&field, names, name](const std::string& text) {
-                field = names[indexOf(name, text, names)].second;
-            },
-            [&field, names]() -> std::vector<std::string> {
-                for (const auto& [word, value] : names)
-                    if (value == field) return {word};
-                return {};
-            });
-        option.words = std::move(all);
-        return option;
+        std::vector<std::string> words;
+        for (const auto& each : names) words.push_back(each.first);
+        return add(
+                   name, shown, OptionKind::choice, std::move(help),
+                   [&field, name, names, words](const std::string& text) {
+                       field = names[indexOf(name, text, words)].second;
+                   },
+                   [&field, names] {
+                       for (const auto& [word, value] : names)
+                           if (value == field) return word;
+                       return std::string();
+                   })
+            .taking(words);
     }
     /// A text of any other kind. @param get  the value on pages; empty: none.
     Option& custom(const char* name, const char* shown, std::string help,
@@ -137,28 +143,25 @@ public:
 
 private:
     Option& add(const char* name, const char* shown, OptionKind kind, std::string help,
-                std::function<void(const std::string&)> set,
-                std::function<std::vector<std::string>()> get);
+                std::function<void(const std::string&)> set, std::function<std::string()> get);
+    static double numberIn(const std::string& name, const std::string& text, Range range);
+    static std::string textOf(const std::optional<double>& value);
+    static std::string textOf(double value) {
+        return value == 0 ? std::string() : textOf(std::optional<double>(value));
+    }
     static std::uint64_t wholeNumber(const std::string& name, const std::string& text,
                                      std::uint64_t least, std::uint64_t most,
                                      const std::string& remedy);
-    [[noreturn]] static void refuseWord(const std::string& name, const std::string& text,
-                                        const std::vector<std::string>& known);
-    template <class Value>
     static std::size_t indexOf(const std::string& name, const std::string& text,
-                               const Names<Value>& names) {
-        for (std::size_t i = 0; i < names.size(); ++i)
-            if (names[i].first == text) return i;
-        std::vector<std::string> known;
-        for (const auto& each : names) known.push_back(each.first);
-        refuseWord(name, text, known);
-    }
+                               const std::vector<std::string>& words);
 
     std::string group_;
     std::vector<Option> rows_;
 };
 
-/// "--NAME": how people write an option; an argument as it is.
+/// How texts for people show the name of an option, such as "target-count".
+using OptionStyle = std::string (*)(const std::string& name);
+/// The style of the command line: with two dashes, and arguments as they are.
 std::string optionName(const std::string& name);
 
 }  // namespace vdbpack

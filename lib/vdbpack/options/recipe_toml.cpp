@@ -134,32 +134,18 @@ private:
     std::vector<CLI::ConfigItem> items_;
 };
 
-/// Dots in lines that are comments.
-std::ptrdiff_t commentDots(const std::string& text) {
-    std::ptrdiff_t dots = 0;
-    std::istringstream lines(text);
-    for (std::string line; std::getline(lines, line);)
-        if (!line.empty() && line.front() == '#') dots += std::count(line.begin(), line.end(), '.');
-    return dots;
-}
-
 /// Each dot may open a table within the one before, and tables are destroyed within each other: a
 /// hundred thousand of them overflow the stack. Recipes nest once.
 void requireShallow(const std::string& text, const std::string& file) {
     constexpr std::ptrdiff_t kMostDots = 2000;
-    if (std::count(text.begin(), text.end(), '.') - commentDots(text) > kMostDots)
+    std::ptrdiff_t dots = 0;
+    for (const std::string& line : splitAt(text, '\n'))
+        if (!startsWith(line, "#")) dots += std::count(line.begin(), line.end(), '.');
+    if (dots > kMostDots)
         throw CLI::ConfigError(
             fmt::format("{}: has more than {} dots and is not a recipe; give options of a "
                         "command, each by its name",
                         file, kMostDots));
-}
-
-/// A line of a text, counted from 1.
-std::string lineOf(const std::string& text, std::size_t number) {
-    std::istringstream lines(text);
-    std::string line;
-    for (std::size_t i = 0; i < number && std::getline(lines, line); ++i) continue;
-    return line;
 }
 
 /// What to do about a line that is no TOML: values that are texts without quotes are what people
@@ -219,8 +205,10 @@ std::vector<CLI::ConfigItem> RecipeFormat::from_config(std::istream& input) cons
         throw CLI::ConfigError(e.what());
     } catch (const toml::parse_error& e) {
         const auto line = e.source().begin.line;
+        auto lines = splitAt(text, '\n');
+        lines.resize(std::max<std::size_t>(lines.size(), line));
         throw CLI::ConfigError(fmt::format("{}: line {}: {}{}", file, line, e.description(),
-                                           remedyFor(lineOf(text, line))));
+                                           line > 0 ? remedyFor(lines[line - 1]) : ""));
     }
 }
 

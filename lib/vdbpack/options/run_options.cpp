@@ -1,6 +1,7 @@
 // Options about runs: what is read and written, threads, memory, reports, pictures.
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/options/option_rows.h"
 
 #include <fmt/format.h>
@@ -53,32 +54,22 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text) {
                         "1,4,9",
                         text, why));
     };
-    std::vector<std::uint64_t> seeds;
-    const char* at = text.data();
-    const char* const end = at + text.size();
-    const auto number = [&] {
+    const auto number = [&](const std::string& word) {
         std::uint64_t value = 0;
-        const auto [next, failed] = std::from_chars(at, end, value);
-        if (failed != std::errc()) fail("is no seed");
-        at = next;
+        const char* const end = word.data() + word.size();
+        const auto [stop, failed] = std::from_chars(word.data(), end, value);
+        if (failed != std::errc() || stop != end) fail("is no seed");
         return value;
     };
-    for (;;) {
-        const std::uint64_t first = number();
-        std::uint64_t last = first;
-        if (end - at >= 2 && at[0] == '.' && at[1] == '.') {
-            at += 2;
-            last = number();
-        }
+    std::vector<std::uint64_t> seeds;
+    for (const std::string& item : splitAt(text, ',')) {
+        const auto dots = item.find("..");
+        const std::uint64_t first = number(item.substr(0, dots));
+        const std::uint64_t last = dots == item.npos ? first : number(item.substr(dots + 2));
         if (last < first) fail("the range ends before it begins");
         if (last - first >= kMostSeeds || seeds.size() + (last - first) >= kMostSeeds)
             fail("has more than a million seeds");
-        for (std::uint64_t s = first;; ++s) {
-            seeds.push_back(s);
-            if (s == last) break;
-        }
-        if (at == end) break;
-        if (*at++ != ',') fail("is no seed");
+        for (std::uint64_t i = 0; i <= last - first; ++i) seeds.push_back(first + i);
     }
     auto sorted = seeds;
     std::sort(sorted.begin(), sorted.end());
@@ -148,6 +139,7 @@ void memoryLimit(OptionList& rows, RunSettings& settings) {
                                              "bytes, or one with a unit: 8G, 500M, 1.5GiB");
                     settings.memoryLimit = *size;
                 })
+        .of(OptionKind::numbers)
         .passing();
 }
 
@@ -179,7 +171,8 @@ void studyOptions(OptionList& rows, Study& study, const std::string& made) {
     rows.custom("seed", "S [1]",
                 "seed of the random numbers; a range 1..50 or a list 1,4,9 makes one " + made +
                     " for each seed in one domain ({seed} in names of outputs)",
-                [&study](const std::string& text) { study.seeds = parseSeeds(text); });
+                [&study](const std::string& text) { study.seeds = parseSeeds(text); })
+        .of(OptionKind::count);
     rows.text("table", "FILE.csv", study.table, "write a table with one row for each seed")
         .naming(FileIn::whole)
         .passing();

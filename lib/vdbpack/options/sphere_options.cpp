@@ -60,12 +60,13 @@ void gapOption(OptionList& rows, double& gap, const char* help) {
 void densifyOption(OptionList& rows, double& fraction, const char* help) {
     rows.group("Spheres");
     rows.custom(
-        "densify", "F|max", help,
-        [&fraction](const std::string& text) { fraction = solidFractionIn(text); },
-        [&fraction]() -> std::string {
-            if (!(fraction > 0)) return {};
-            return std::isfinite(fraction) ? fmt::format("{}", fraction) : "max";
-        });
+            "densify", "F|max", help,
+            [&fraction](const std::string& text) { fraction = solidFractionIn(text); },
+            [&fraction]() -> std::string {
+                if (!(fraction > 0)) return {};
+                return std::isfinite(fraction) ? fmt::format("{}", fraction) : "max";
+            })
+        .of(OptionKind::numbers);
 }
 
 void sphereOptions(OptionList& rows, PackRecipe& recipe) {
@@ -77,12 +78,12 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
               "value at most 1:20")
         .naming(FileIn::whole);
     rows.text("shell-radius", "SPEC", recipe.shellRadius,
-              "radii of the spheres with centers in the shell (--shell), like --radius, which is "
+              "radii of the spheres with centers in the shell (`shell`), like `radius`, which is "
               "then that of the others")
         .naming(FileIn::sizes);
     rows.number("target-count", "N", recipe.targetCount, Range::positive,
                 "scale the radii so that about N spheres are written: those that voids leave, with "
-                "those that --densify adds, without those of --existing");
+                "those that `densify` adds, without those of `existing`");
     rows.count("max-count", "N", recipe.packing.maxCount, 1,
                std::numeric_limits<std::int64_t>::max(), "stop when N spheres are placed");
     rows.choice("effort", "fast|normal|dense [normal]", recipe.packing.effort, kEfforts,
@@ -106,14 +107,14 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
               "pack around the spheres of a file in any pack format; outputs contain these "
               "spheres first, unchanged")
         .naming(FileIn::pack);
-    unitOption(rows, "pack-unit", recipe.packUnit, "unit of --existing, if the file states none");
+    unitOption(rows, "pack-unit", recipe.packUnit, "unit of `existing`, if the file states none");
 }
 
 void densityOption(OptionList& rows, std::string& density) {
     rows.group("Spheres");
-    rows.text("density", "D|0=D,1=D|bulk:D [1000]", density,
-              "density of the spheres in the files of LAMMPS and LIGGGHTS, kg/m3; 0=D,1=D: by "
-              "region; bulk:D: all spheres together weigh as much as the domain at density D");
+    rows.numbers("density", "D|0=D,1=D|bulk:D [1000]", density,
+                 "density of the spheres in the files of LAMMPS and LIGGGHTS, kg/m3; 0=D,1=D: by "
+                 "region; bulk:D: all spheres together weigh as much as the domain at density D");
 }
 
 void greyOptions(OptionList& rows, GreyRecipe& grey) {
@@ -123,14 +124,14 @@ void greyOptions(OptionList& rows, GreyRecipe& grey) {
                "repeated")
         .as("samples")
         .naming(FileIn::sample);
-    rows.text("calibrate", "[NAME=]SLOPE,INTERCEPT", grey.calibration,
-              "density of each sphere, SLOPE * grey value + INTERCEPT, kg/m3 (= mg/cm3), as "
-              "column density_kg_m3 and in the files of LAMMPS and LIGGGHTS; of --sample, or of "
-              "the column NAME")
+    rows.numbers("calibrate", "[NAME=]SLOPE,INTERCEPT", grey.calibration,
+                 "density of each sphere, SLOPE * grey value + INTERCEPT, kg/m3 (= mg/cm3), as "
+                 "column density_kg_m3 and in the files of LAMMPS and LIGGGHTS; of `sample`, or of "
+                 "the column NAME")
         .as("calibration");
-    rows.text("modulus", "A,B|E", grey.modulus,
-              "Young's modulus of each sphere, A * density^B, MPa, of the density in g/cm3, as "
-              "column modulus_MPa; E alone: the same for all. Parts may have their own");
+    rows.numbers("modulus", "A,B|E", grey.modulus,
+                 "Young's modulus of each sphere, A * density^B, MPa, of the density in g/cm3, as "
+                 "column modulus_MPa; E alone: the same for all. Parts may have their own");
     rows.count("density-classes", "N [10]", grey.classes, 1, kMostDensityClasses,
                "classes of equal width that the densities fall into: materials of YADE and types "
                "of LAMMPS, listed by materials:FILE.csv")

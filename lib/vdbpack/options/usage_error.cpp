@@ -19,18 +19,21 @@ std::vector<std::string> commandsOf(const CLI::App& app) {
 
 /// The command that is named first, if it is one.
 const CLI::App* commandOf(const CLI::App& app, const std::vector<std::string>& arguments) {
-    const auto commands = app.get_subcommands({});
-    for (const auto& word : arguments) {
-        const auto named = [&](const CLI::App* c) { return c->get_name() == word; };
-        const auto found = std::find_if(commands.begin(), commands.end(), named);
-        if (found != commands.end()) return *found;
-    }
+    for (const auto& word : arguments)
+        for (const CLI::App* command : app.get_subcommands({}))
+            if (command->get_name() == word) return command;
     return nullptr;
 }
 
-std::string withoutValue(const std::string& word) {
-    return word.substr(0, word.find('='));
+/// An option as the parser writes it, in another style; a single letter as it is.
+std::string restyled(const std::string& word, OptionStyle style) {
+    const std::string name = word.substr(std::min(word.find_first_not_of('-'), word.size()));
+    return !name.empty() && optionName(name) == word ? style(name) : word;
 }
+
+constexpr const char* kNoMaterial =
+    "spheres have no material: `shell` sets their region, which is the type in LAMMPS, LIGGGHTS "
+    "and YADE, and `density` their density";
 
 /// What other programs have, and what there is here.
 struct ForeignOption {
@@ -38,50 +41,48 @@ struct ForeignOption {
     const char* instead;
 };
 constexpr ForeignOption kForeignOptions[] = {
-    {"--boundary", "periodic:LX,LY,LZ repeats along all axes, --periodic xy makes a box repeat"},
-    {"--lattice", "there are no lattices; --order and --effort choose how the front fills"},
-    {"--material",
-     "spheres have no material: --shell sets their region, which is the type in LAMMPS, LIGGGHTS "
-     "and YADE, and --density their density"},
-    {"--materials",
-     "spheres have no material: --shell sets their region, which is the type in LAMMPS, LIGGGHTS "
-     "and YADE, and --density their density"},
-    {"--young", "elastic constants belong to the DEM program; --density is written to its files"},
-    {"--friction", "friction belongs to the DEM program; --density is written to its files"},
-    {"--porosity",
-     "--densify F sets the solid fraction of the spheres, --voids METHOD with --target-bvtv F the "
+    {"boundary", "periodic:LX,LY,LZ repeats along all axes, `periodic` xy makes a box repeat"},
+    {"lattice", "there are no lattices; `order` and `effort` choose how the front fills"},
+    {"material", kNoMaterial},
+    {"materials", kNoMaterial},
+    {"young", "elastic constants belong to the DEM program; `density` is written to its files"},
+    {"friction", "friction belongs to the DEM program; `density` is written to its files"},
+    {"porosity",
+     "`densify` F sets the solid fraction of the spheres, `voids` METHOD with `target-bvtv` F the "
      "bone volume fraction"},
-    {"--number", "--target-count N scales the radii so that about N spheres fill the domain"},
-    {"--count", "--target-count N scales the radii so that about N spheres fill the domain"},
-    {"--min-radius", "--radius uniform:A,B sets both ends"},
-    {"--max-radius", "--radius uniform:A,B sets both ends"},
-    {"--format", "the extension of -o FILE chooses the format"},
+    {"number", "`target-count` N scales the radii so that about N spheres fill the domain"},
+    {"count", "`target-count` N scales the radii so that about N spheres fill the domain"},
+    {"min-radius", "`radius` uniform:A,B sets both ends"},
+    {"max-radius", "`radius` uniform:A,B sets both ends"},
+    {"format", "the extension of -o FILE chooses the format"},
 };
 
 }  // namespace
 
-std::string unknownOption(const CLI::App& app, const CLI::App& command, const std::string& word) {
+std::string unknownOption(const CLI::App& app, const CLI::App& command, const std::string& word,
+                          OptionStyle style) {
+    const std::string shown = restyled(word, style);
     for (const ForeignOption& foreign : kForeignOptions)
-        if (word == foreign.name)
-            return fmt::format("{} is not an option of vdb_pack: {}", word, foreign.instead);
+        if (word == optionName(foreign.name))
+            return fmt::format("{} is not an option of vdb_pack: {}", shown, foreign.instead);
     std::vector<std::string> names;
     for (const CLI::App* a : {&command, &app})
         for (const auto* option : a->get_options())
             for (const auto& name : option->get_lnames())
-                if (!option->get_group().empty()) names.push_back("--" + name);
-    const std::string like = mostLike(word, names);
+                if (!option->get_group().empty()) names.push_back(optionName(name));
+    const std::string like = restyled(mostLike(word, names), style);
     std::string others;
     for (const auto* other : app.get_subcommands({}))
         if (other != &command && other->get_option_no_throw(word) != nullptr)
             others += (others.empty() ? "" : ", ") + other->get_name();
-    return fmt::format("{} is not an option of {}{}", word, command.get_name(),
+    return fmt::format("{} is not an option of {}{}", shown, command.get_name(),
                        !others.empty() ? ", but of " + others
                        : like.empty()  ? ""
                                        : "; did you mean " + like + "?");
 }
 
 std::string usageError(const CLI::App& app, const CLI::ParseError& error,
-                       const std::vector<std::string>& arguments) {
+                       const std::vector<std::string>& arguments, OptionStyle style) {
     const CLI::App* const command = commandOf(app, arguments);
     const std::string message = error.what();
     const bool unexpected = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
@@ -89,7 +90,7 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
         const auto commands = commandsOf(app);
         auto word = arguments.begin();
         while (word != arguments.end() && (word->empty() || word->front() == '-'))
-            word += *word == "--config" && word + 1 != arguments.end() ? 2 : 1;
+            word += *word == optionName("config") && word + 1 != arguments.end() ? 2 : 1;
         if (word == arguments.end())
             return fmt::format("a command is needed: {}", fmt::join(commands, ", "));
         const std::string like = mostLike(*word, commands);
@@ -99,25 +100,26 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
     }
     if (unexpected) {
         for (const auto& word : arguments) {
-            const std::string name = withoutValue(word);
+            const std::string name = word.substr(0, word.find('='));
             if (name.size() > 1 && name.front() == '-' &&
                 name.find_first_not_of("-0123456789.") != std::string::npos &&
                 command->get_option_no_throw(name) == nullptr &&
                 app.get_option_no_throw(name) == nullptr)
-                return unknownOption(app, *command, name);
+                return unknownOption(app, *command, name, style);
         }
         const auto colon = message.find(": ");
         return fmt::format("{} does not take the argument {}", command->get_name(),
                            colon == std::string::npos ? message : message.substr(colon + 2));
     }
-    // "--report: At Most 1 required but received 2"
+    const auto subject = [&](std::size_t end) { return restyled(message.substr(0, end), style); };
+    // report: "At Most 1 required but received 2"
     const auto most = message.find(": At Most 1 required but received ");
     if (most != std::string::npos)
-        return fmt::format("{} is given {} times, but takes one value", message.substr(0, most),
+        return fmt::format("{} is given {} times, but takes one value", subject(most),
                            message.substr(message.rfind(' ') + 1));
-    // "--voxel: 1 required FLOAT missing"
+    // voxel: "1 required FLOAT missing"
     if (const auto none = message.find(": 1 required "); none != std::string::npos)
-        return message.substr(0, none) + ": a value is missing";
+        return subject(none) + ": a value is missing";
     // "Could not convert: --voxel = 1x"
     const std::string failed = "Could not convert: ";
     const auto equals = message.find(" = ");

@@ -38,10 +38,10 @@ void VoidRows::addMethod() const {
         .taking(methods);
     rows.length("shell", "T [0]", voids.shell, Range::notNegative,
                 "thickness of the layer along the wall that stays without voids, mm" +
-                    orElse(spheres, "; without --voids it only sets the region of each sphere", ""))
+                    orElse(spheres, "; without `voids` it only sets the region of each sphere", ""))
         .as("shell voids.shell");
     rows.text("shell-field", "FILE", voids.shellField,
-              "the same by place, in place of --shell: a .csv (x, y, z, value) or a .vdb grid of "
+              "the same by place, in place of `shell`: a .csv (x, y, z, value) or a .vdb grid of "
               "floats, in mm")
         .naming(FileIn::whole);
     shellFromOption(rows, domain);
@@ -63,15 +63,16 @@ void VoidRows::addTargets() const {
                     packed + ")" + orElse(spheres, " or D (concentric, threshold)", ""));
     rows.text("bvtv-field", "FILE", voids.bvtvField,
               "BV/TV by place (boolean, foam): the grey values of an image such as a CT, a .vdb "
-              "grid of floats, or a .csv (x, y, z, value), in mm; without --target-bvtv, its mean "
+              "grid of floats, or a .csv (x, y, z, value), in mm; without `target-bvtv`, its mean "
               "is the target")
         .naming(FileIn::whole);
-    rows.text("bvtv-range", "MARROW,BONE", voids.bvtvRange,
-              "values of that field at BV/TV 0 (marrow) and 1 (bone), linear between them; needed "
-              "for an image, 0,1 for others");
+    rows.numbers(
+        "bvtv-range", "MARROW,BONE", voids.bvtvRange,
+        "values of that field at BV/TV 0 (marrow) and 1 (bone), linear between them; needed "
+        "for an image, 0,1 for others");
     rows.length("target-tbth", "T", voids.targetTbth, Range::any,
                 "mean thickness Tb.Th of trabeculae to reach, mm (foam; boolean with "
-                "--target-bvtv)");
+                "`target-bvtv`)");
     rows.length("target-tbsp", "T", voids.targetTbsp, Range::any,
                 "mean spacing Tb.Sp to reach, mm (foam)");
     rows.number("target-da", "D", voids.targetDa, Range::any,
@@ -101,7 +102,7 @@ void VoidRows::addShapes() const {
     rows.text("void-radius", orElse(spheres, "SPEC [1.5 to 2.5 largest spheres]", "SPEC").c_str(),
               voids.radius,
               "shorter half-axis b of the voids, " +
-                  (spheres ? std::string("written as --radius") : kRadiusSpec) + ", mm (" +
+                  (spheres ? std::string("written as `radius`") : kRadiusSpec) + ", mm (" +
                   orElse(front, "mixed: radius of the holes; ", "") +
                   "overlay: voids are placed by packing spheres of radius b times aspect; foam: "
                   "before they are dilated)")
@@ -109,7 +110,7 @@ void VoidRows::addShapes() const {
         .naming(FileIn::sizes);
     rows.text("void-aspect", "SPEC [constant:2; foam 1.4, without a direction 1]", voids.aspect,
               "ratio of the half-axes a / b, written as " +
-                  orElse(spheres, "--radius", "--void-radius"))
+                  orElse(spheres, "`radius`", "`void-radius`"))
         .as("voids.aspect")
         .naming(FileIn::sizes);
     rows.length("void-blend", "K [0; foam 0.1 of the mean b]", voids.blend, Range::any,
@@ -149,9 +150,10 @@ void VoidRows::addAmounts() const {
               "file with 0 or 1 for each box of grid, top row first")
         .as("matrix")
         .naming(FileIn::whole);
-    rows.text("void-cell", "SIZE", voids.cell,
-              "sides of a box of grid, mm: one value, or one for each direction (default: as many "
-              "boxes as the matrix has)")
+    rows.numbers(
+            "void-cell", "SIZE", voids.cell,
+            "sides of a box of grid, mm: one value, or one for each direction (default: as many "
+            "boxes as the matrix has)")
         .as("cell");
 }
 
@@ -161,11 +163,11 @@ void VoidRows::addDirections() const {
               "directions of the long axes. \"tz=SPEC;tx=SPEC\": along z, rotated by tx about x, "
               "then by tz about z. \"phi=SPEC\" (2D): along x, rotated by phi. isotropic: no "
               "preferred direction. SPEC is V, uniform:A,B or normal:MEAN,SD,A,B, in rad or with "
-              "suffix deg. With --void-axis or --void-field: scatter about that direction. Default "
+              "suffix deg. With `void-axis` or `void-field`: scatter about that direction. Default "
               "without those: isotropic for boolean and foam, else within 0.358 rad of z (2D: of "
               "x)")
         .as("orientation.angles");
-    rows.text("void-axis", "X,Y,Z", orientation.axis, "direction of the long axes")
+    rows.numbers("void-axis", "X,Y,Z", orientation.axis, "direction of the long axes")
         .as("orientation.axis");
     rows.text("void-field", "FILE", orientation.field,
               "direction of the long axes at each position: .vdb (vectors, or the main axis of a "

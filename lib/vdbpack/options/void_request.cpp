@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -56,18 +55,11 @@ std::vector<Use> usesOf(const VoidRequest& r) {
             {"cull", r.cull == Cull::touch, "grid overlay ellipses boolean foam list"}};
 }
 
-std::vector<std::string> wordsIn(const char* text) {
-    std::istringstream in(text);
-    std::vector<std::string> words;
-    for (std::string word; in >> word;) words.push_back(word);
-    return words;
-}
-
 /// Refuses options that the method does not use.
 void requireUse(const VoidRequest& r) {
     const std::string method = startsWith(r.method, "list:") ? "list" : r.method;
     for (const Use& use : usesOf(r)) {
-        const auto methods = wordsIn(use.methods);
+        const auto methods = splitAt(use.methods, ' ');
         if (!use.given || std::find(methods.begin(), methods.end(), method) != methods.end())
             continue;
         if (method.empty())
