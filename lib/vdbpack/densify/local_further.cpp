@@ -3,7 +3,6 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/densify/relaxation.h"
 
-#include <algorithm>
 #include <cmath>
 #include <iterator>
 
