@@ -113,6 +113,29 @@ std::string oneLine(std::string text) {
     return text;
 }
 
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent, std::size_t at) {
+    std::string out;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find_first_of(" \n", begin), text.size());
+        const std::string_view word = text.substr(begin, end - begin);
+        const auto columns =
+            static_cast<std::size_t>(std::count_if(word.begin(), word.end(), [](char c) {
+                return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+            }));
+        if (begin > 0 && (text[begin - 1] == '\n' || at + 1 + columns > width)) {
+            out += '\n' + std::string(indent, ' ');
+            at = indent;
+        } else if (begin > 0) {
+            out += ' ';
+            ++at;
+        }
+        out += word;
+        at += columns;
+        begin = end + 1;
+    }
+    return out;
+}
+
 void appendUtf8(std::string& text, std::uint32_t character) {
     const auto put = [&text](std::uint32_t byte) { text += static_cast<char>(byte); };
     const auto putRest = [&](int shift) { put(0x80 | (character >> shift & 0x3f)); };
