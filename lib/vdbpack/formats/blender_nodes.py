@@ -105,3 +105,17 @@ def color_by(material, name, limits):
     elements[0].position, elements[0].color = 0.0, colors[0]
     for i, color in enumerate(colors[1:], 1):
         elements.new(i / (len(colors) - 1)).color = color
+
+
+def surface_material(opacity, cuts):
+    """Translucent, and clear beyond the cut planes (in Blender units)."""
+    material = bpy.data.materials.new("vdb_pack surface")
+    nodes = shader_nodes(material)
+    place = nodes.add("ShaderNodeSeparateXYZ", nodes.add("ShaderNodeNewGeometry")).node.outputs
+    for axis, at, sign in cuts:
+        inside = nodes.math("LESS_THAN" if sign > 0 else "GREATER_THAN", place[axis], at)
+        opacity = nodes.math("MULTIPLY", inside, opacity)
+    clear = nodes.add("ShaderNodeBsdfTransparent")
+    nodes.add("ShaderNodeOutputMaterial", nodes.add("ShaderNodeMixShader", opacity, clear,
+                                                    principled(nodes, SURFACE_COLOR, 0.6)))
+    return material

@@ -150,20 +150,6 @@ def add_object(collection, name, data, is_hidden=False, axes=np.eye(3), position
     return added
 
 
-def surface_material(opacity, cuts):
-    """Translucent, and clear beyond the cut planes (in Blender units)."""
-    material = bpy.data.materials.new("vdb_pack surface")
-    nodes = shader_nodes(material)
-    place = nodes.add("ShaderNodeSeparateXYZ", nodes.add("ShaderNodeNewGeometry")).node.outputs
-    for axis, at, sign in cuts:
-        inside = nodes.math("LESS_THAN" if sign > 0 else "GREATER_THAN", place[axis], at)
-        opacity = nodes.math("MULTIPLY", inside, opacity)
-    clear = nodes.add("ShaderNodeBsdfTransparent")
-    nodes.add("ShaderNodeOutputMaterial", nodes.add("ShaderNodeMixShader", opacity, clear,
-                                                    principled(nodes, SURFACE_COLOR, 0.6)))
-    return material
-
-
 def add_surfaces(collection, center, scale, shown, material):
     """The .vdb as a volume where the spheres are, and each of its level sets as a mesh."""
     volume = bpy.data.volumes.new("vdb_pack volume")
