@@ -11,7 +11,6 @@
 #include <cmath>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace vdbpack {
 
@@ -35,18 +34,17 @@ FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName
         if (isFloat && isLevelSet) {
             chosen = name;
         } else if (!gridName.empty()) {
-            throw InputError(fmt::format(
-                "{}: grid '{}' is not a level set of floats (type {}, class {}); name one "
-                "with `gridName`",
-                path, name, header->type(),
-                openvdb::GridBase::gridClassToString(header->getGridClass())));
+            throw InputError(
+                fmt::format("{}: grid '{}' is not a level set of floats (type {}, class {}); name "
+                            "one with `gridName`",
+                            path, name, header->type(),
+                            openvdb::GridBase::gridClassToString(header->getGridClass())));
         }
     }
     if (!chosen)
         throw InputError(fmt::format(
-            "{}: no level set {}; the grids in it are: {}; name one "
-            "with `gridName`",
-            path, gridName.empty() ? std::string("of floats") : fmt::format("named '{}'", gridName),
+            "{}: no level set {}; the grids in it are: {}; name one with `gridName`", path,
+            gridName.empty() ? std::string("of floats") : fmt::format("named '{}'", gridName),
             names.empty() ? "none" : names));
     const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid(*chosen));
     if (!grid)
@@ -109,10 +107,10 @@ void checkLevelSet(const std::string& path, const FloatGrid& grid) {
                         "the band and so positive; write it again",
                         path, grid.getName(), grid.background()));
     if (!isCheapToContour(grid))
-        throw InputError(fmt::format(
-            "{}: the surface of level set '{}' runs between large active tiles, where it lies in "
-            "a narrow band of voxels; rebuild it as a level set",
-            path, grid.getName()));
+        throw InputError(
+            fmt::format("{}: the surface of level set '{}' runs between large active tiles, where "
+                        "it lies in a narrow band of voxels; rebuild it as a level set",
+                        path, grid.getName()));
     checkValues(path, grid);
 }
 
@@ -166,16 +164,16 @@ TriangleMesh fogVolumeMesh(const std::string& path, const std::string& gridName,
                 gridName.empty() ? "" : fmt::format(" named '{}'", gridName)));
         if (!grid->transform().isLinear())
             throw InputError(
-                fmt::format("{}: the voxels of '{}' are not in straight rows; "
-                            "resample it to a linear transform",
+                fmt::format("{}: the voxels of '{}' are not in straight rows; resample it to a "
+                            "linear transform",
                             path, grid->getName()));
         checkValues(path, *grid);
         const FogVolume fog = describe(*grid);
         if (!(threshold > grid->background() && threshold < fog.highest))
-            throw InputError(fmt::format(
-                "{}: no surface of fog volume '{}' has the value {:g}: it is {:g} outside and {:g} "
-                "at most; set `threshold` between the two",
-                path, fog.grid, threshold, grid->background(), fog.highest));
+            throw InputError(
+                fmt::format("{}: no surface of fog volume '{}' has the value {:g}: it is {:g} "
+                            "outside and {:g} at most; set `threshold` between the two",
+                            path, fog.grid, threshold, grid->background(), fog.highest));
         // Negative inside, as a level set; contouring winds by the class.
         grid->setGridClass(openvdb::GRID_LEVEL_SET);
         const auto level = static_cast<float>(threshold);
@@ -183,10 +181,10 @@ TriangleMesh fogVolumeMesh(const std::string& path, const std::string& gridName,
         grid->tree().root().setBackground(level - grid->background(), false);
         grid->transform().postScale(scale);
         if (!isCheapToContour(*grid))
-            throw InputError(fmt::format(
-                "{}: the surface of fog volume '{}' runs between large active tiles; write it with "
-                "a gradient of some voxels",
-                path, fog.grid));
+            throw InputError(
+                fmt::format("{}: the surface of fog volume '{}' runs between large active tiles; "
+                            "write it with a gradient of some voxels",
+                            path, fog.grid));
     });
     return levelSetMesh(VdbGrid(grid), path);
 }

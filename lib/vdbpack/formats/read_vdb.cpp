@@ -321,8 +321,7 @@ Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
         stream.clear();
         const auto at = static_cast<std::int64_t>(stream.tellg());
         throw InputError(fmt::format(
-            "{}: cannot be read as OpenVDB near byte {}: {}; the file is damaged or cut "
-            "short",
+            "{}: cannot be read as OpenVDB near byte {}: {}; the file is damaged or cut short",
             path, at, e.what()));
     }
     throw InputError(fmt::format("{}: holds no point grid{}, but {}; name another grid or file",
