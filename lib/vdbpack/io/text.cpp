@@ -115,23 +115,25 @@ std::string oneLine(std::string text) {
 
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent, std::size_t at) {
     std::string out;
-    for (std::size_t begin = 0; begin < text.size();) {
-        const std::size_t end = std::min(text.find_first_of(" \n", begin), text.size());
+    bool first = true;
+    std::size_t breaks = 0;
+    for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+        end = std::min(text.find_first_of(" \n", begin), text.size());
         const std::string_view word = text.substr(begin, end - begin);
         const auto columns =
             static_cast<std::size_t>(std::count_if(word.begin(), word.end(), [](char c) {
                 return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
             }));
-        if (begin > 0 && (text[begin - 1] == '\n' || at + 1 + columns > width)) {
-            out += '\n' + std::string(indent, ' ');
-            at = indent;
-        } else if (begin > 0) {
-            out += ' ';
-            ++at;
+        if (columns > 0) {
+            if (!first && breaks == 0 && at + 1 + columns > width) breaks = 1;
+            const bool joins = !first && breaks == 0;
+            if (breaks > 0) at = indent;
+            for (; breaks > 0; --breaks) out += '\n' + std::string(indent, ' ');
+            (out += joins ? " " : "") += word;
+            at += columns + joins;
+            first = false;
         }
-        out += word;
-        at += columns;
-        begin = end + 1;
+        breaks += end < text.size() && text[end] == '\n';
     }
     return out;
 }

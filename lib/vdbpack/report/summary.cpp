@@ -20,7 +20,8 @@ class Summary {
 public:
     void line(const std::string& label, const std::string& text) {
         constexpr std::size_t kLabel = 11, kWidth = 80;
-        text_ += fmt::format("{:<{}}{}\n", label, kLabel, wrapped(text, kWidth, kLabel, kLabel));
+        const std::string row = fmt::format("{:<{}}", label, kLabel);
+        text_ += row + wrapped(text, kWidth, kLabel, row.size()) + "\n";
     }
     const std::string& text() const { return text_; }
 
@@ -174,9 +175,10 @@ std::string voidsText(const Report& r, const DimensionWords& words) {
 void addTargets(Summary& out, const VoidReport& v) {
     if (v.targets.empty()) return;
     for (const TargetReport& t : v.targets)
-        out.line("", fmt::format("{:<7}{:.4g} of {:g} asked{}", t.symbol(), t.reached, t.asked,
-                                 t.scatter ? fmt::format(", standard deviation {:.2g}", *t.scatter)
-                                           : std::string()));
+        out.line(fmt::format("{:<11}{:<7}", "", t.symbol()),
+                 fmt::format("{:.4g} of {:g} asked{}", t.reached, t.asked,
+                             t.scatter ? fmt::format(", standard deviation {:.2g}", *t.scatter)
+                                       : std::string()));
     if (v.thicknessDistance && v.separationDistance)
         out.line("",
                  fmt::format("distributions: {:.2f} (local thickness) and {:.2f} (spacing) from "
