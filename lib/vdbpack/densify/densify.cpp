@@ -62,12 +62,12 @@ public:
             Ascent ascent(
                 *this, paces_,
                 {result_.before, kMostFraction<Dim>, Dim == 3 && cell.any(), !cell.all()});
-            if (!(options_.fraction > result_.before))
-                removeOverlaps();
-            else if (std::isfinite(options_.fraction))
-                ascent.reach(options_.fraction);
-            else
+            if (std::isinf(options_.fraction))
                 ascent.reachMost();
+            else if (options_.fraction > result_.before)
+                ascent.reach(options_.fraction);
+            else if (!result_.apart)
+                attempt(result_.before, paces_.all());  // adds no sphere: any pace may succeed
         }
         if (moved_ && options_.contacts && !result_.interrupted) drawTogether();
         result_.after = reached();
@@ -82,24 +82,15 @@ public:
     }
 
 private:
-    /// Adds no sphere. Every pace is tried: any of them may succeed here.
-    void removeOverlaps() {
-        if (!result_.apart) attempt(result_.before, paces_.all());
-    }
-
     double fractionOf(const std::vector<Sphere<Dim>>& spheres) const {
         return ballShare(spheres, volume_, ranks_);
     }
     double reached() const override { return fractionOf(result_.spheres); }
     bool isInterrupted() const override { return result_.interrupted; }
 
-    std::vector<Sphere<Dim>> withShell(const std::vector<Sphere<Dim>>& spheres) const {
-        return grownBy(shell_, spheres);
-    }
-
     /// Whether no two spheres of the input pack overlap and none of the moving ones protrudes.
     bool isApart() const {
-        return isAccepted(withShell(result_.spheres), options_.fixed, *domain_);
+        return isAccepted(grownBy(shell_, result_.spheres), options_.fixed, *domain_);
     }
 
     bool attempt(double fraction, const std::vector<RelaxationPace>& paces) override {
@@ -141,7 +132,7 @@ private:
         RandomStream random = furtherStream(options_.seed, stage);
         const FurtherSpheres added = sizes_.draw((fraction - reached()) * volume_, random);
         if (added.radii.empty()) return;
-        Relaxation<Dim> present(*domain_, withShell(spheres), options_.fixed, regions,
+        Relaxation<Dim> present(*domain_, grownBy(shell_, spheres), options_.fixed, regions,
                                 options_.seed);
         const auto placed = present.vacancies(added.radii, added.regions, stage);
         spheres.insert(spheres.end(), placed.begin(), placed.end());
@@ -216,7 +207,7 @@ private:
         const auto radii =
             sizes_.draw((fraction - reached()) * volume_, random).radii;  // the same on all
         if (radii.empty()) return;
-        Relaxation<Dim> present(*domain_, withShell(spheres), *ranks_, labels,
+        Relaxation<Dim> present(*domain_, grownBy(shell_, spheres), *ranks_, labels,
                                 *std::max_element(radii.begin(), radii.end()), options_.seed);
         auto found = present.vacanciesHere(radii, stage);
         const std::uint32_t first = homes.add(radii.size());
@@ -279,7 +270,7 @@ private:
     template <class Work>
     bool relaxOverRanks(std::vector<Sphere<Dim>>& spheres, const std::vector<std::uint32_t>& labels,
                         const LabelHomes& homes, const Work& work) {
-        Relaxation<Dim> relaxation(*domain_, withShell(spheres), *ranks_, labels, 0,
+        Relaxation<Dim> relaxation(*domain_, grownBy(shell_, spheres), *ranks_, labels, 0,
                                    options_.seed + stage);
         if (!work(relaxation)) return false;
         const auto settled =
@@ -300,7 +291,7 @@ private:
     template <class Work>
     bool relaxHere(std::vector<Sphere<Dim>>& spheres, const std::vector<std::int32_t>& regions,
                    const Work& work) {
-        Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, regions,
+        Relaxation<Dim> relaxation(*domain_, grownBy(shell_, spheres), options_.fixed, regions,
                                    options_.seed + stage, local_ != nullptr);
         if (boundary_) relaxation.keepTo(*boundary_, isInside_);
         if (!work(relaxation)) return false;
