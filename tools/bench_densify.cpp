@@ -2,7 +2,6 @@
 
 #include "bench_clock.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/domain/domain_source.h"
@@ -17,12 +16,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <memory>
+#include <map>
 #include <stdexcept>
 
 using namespace vdbpack;
@@ -56,42 +56,46 @@ Job parseJob(const std::string& word) {
     return job;
 }
 
+constexpr int kTubes = 3;
+
+/// Distance to the wall of tubes of radius `r` along the three axes, mm, negative inside; a tube
+/// runs through the middle of each pitch and ends at the box.
+double distanceToTubes(const Vec<3>& x, double r, double pitch) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int d = 0; d < 3; ++d) {
+        double square = 0;
+        for (int e = 0; e < 3; ++e) {
+            if (e == d) continue;
+            const double off = x[e] - (std::floor(x[e] / pitch) + 0.5) * pitch;
+            square += off * off;
+        }
+        least = std::min(least, std::sqrt(square) - r);
+    }
+    for (int d = 0; d < 3; ++d) least = std::max({least, -x[d], x[d] - kTubes * pitch});
+    return least;
+}
+
 /// Tubes of radius `r` along the three axes, 6 r apart, as a closed mesh: the faces of small cubes
 /// with their vertices moved to the walls of the tubes.
 TriangleMesh strutMesh(double r) {
-    constexpr int kPerRadius = 6, kTubes = 3;
+    using Index = std::array<int, 3>;
+    constexpr int kPerRadius = 6;
     const double pitch = 6 * r, h = r / kPerRadius;
     const int n = static_cast<int>(std::lround(pitch * kTubes / h)) + 3;
-    // Negative inside; a tube runs through the middle of each pitch and ends at the box.
-    const auto distance = [&](const Vec<3>& x) {
-        double least = std::numeric_limits<double>::infinity();
-        for (int d = 0; d < 3; ++d) {
-            double square = 0;
-            for (int e = 0; e < 3; ++e) {
-                if (e == d) continue;
-                const double off = x[e] - (std::floor(x[e] / pitch) + 0.5) * pitch;
-                square += off * off;
-            }
-            least = std::min(least, std::sqrt(square) - r);
-        }
-        for (int d = 0; d < 3; ++d) least = std::max({least, -x[d], x[d] - kTubes * pitch});
-        return least;
+    const auto distance = [&](const Vec<3>& x) { return distanceToTubes(x, r, pitch); };
+    const auto at = [&](const Index& i) {
+        return Vec<3>{{(i[0] - 1.5) * h, (i[1] - 1.5) * h, (i[2] - 1.5) * h}};
     };
-    const auto at = [&](int i, int j, int k) {
-        return Vec<3>{{(i - 1.5) * h, (j - 1.5) * h, (k - 1.5) * h}};
-    };
-    const auto inside = [&](int i, int j, int k) {
-        return distance(at(i, j, k) + Box<3>::filled(0.5 * h)) < 0;
+    const auto inside = [&](const Index& i) {
+        return distance(at(i) + Box<3>::filled(0.5 * h)) < 0;
     };
     TriangleMesh mesh;
-    std::vector<std::uint32_t> names(static_cast<std::size_t>(n + 2) * (n + 2) * (n + 2), ~0u);
-    const auto vertex = [&](int i, int j, int k) {
-        auto& name =
-            names[(static_cast<std::size_t>(k) * (n + 2) + static_cast<std::size_t>(j)) * (n + 2) +
-                  static_cast<std::size_t>(i)];
-        if (name == ~0u) {
-            name = static_cast<std::uint32_t>(mesh.vertices.size());
-            Vec<3> x = at(i, j, k);
+    std::map<Index, std::uint32_t> names;
+    const auto vertex = [&](const Index& i) {
+        const auto [found, isNew] =
+            names.emplace(i, static_cast<std::uint32_t>(mesh.vertices.size()));
+        if (isNew) {
+            Vec<3> x = at(i);
             // Newton steps along the gradient, no farther than half a cube.
             for (int step = 0; step < 4; ++step) {
                 Vec<3> slope;
@@ -102,39 +106,32 @@ TriangleMesh strutMesh(double r) {
                 }
                 if (const double s = squaredLength(slope); s > 0.1) x += slope * (-distance(x) / s);
             }
-            const Vec<3> way = x - at(i, j, k);
+            const Vec<3> way = x - at(i);
             const double most = 0.45 * h, l = length(way);
-            mesh.vertices.push_back(at(i, j, k) + (l > most ? way * (most / l) : way));
+            mesh.vertices.push_back(at(i) + (l > most ? way * (most / l) : way));
         }
-        return name;
+        return found->second;
     };
-    const auto face = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
-        mesh.triangles.push_back({a, b, c});
-        mesh.triangles.push_back({a, c, d});
+    const auto moved = [](Index i, std::size_t axis, int by) {
+        i[axis] += by;
+        return i;
     };
     for (int k = 0; k < n; ++k)
         for (int j = 0; j < n; ++j)
-            for (int i = 0; i < n; ++i) {
-                if (!inside(i, j, k)) continue;
-                if (!inside(i - 1, j, k))
-                    face(vertex(i, j, k), vertex(i, j, k + 1), vertex(i, j + 1, k + 1),
-                         vertex(i, j + 1, k));
-                if (!inside(i + 1, j, k))
-                    face(vertex(i + 1, j, k), vertex(i + 1, j + 1, k), vertex(i + 1, j + 1, k + 1),
-                         vertex(i + 1, j, k + 1));
-                if (!inside(i, j - 1, k))
-                    face(vertex(i, j, k), vertex(i + 1, j, k), vertex(i + 1, j, k + 1),
-                         vertex(i, j, k + 1));
-                if (!inside(i, j + 1, k))
-                    face(vertex(i, j + 1, k), vertex(i, j + 1, k + 1), vertex(i + 1, j + 1, k + 1),
-                         vertex(i + 1, j + 1, k));
-                if (!inside(i, j, k - 1))
-                    face(vertex(i, j, k), vertex(i, j + 1, k), vertex(i + 1, j + 1, k),
-                         vertex(i + 1, j, k));
-                if (!inside(i, j, k + 1))
-                    face(vertex(i, j, k + 1), vertex(i + 1, j, k + 1), vertex(i + 1, j + 1, k + 1),
-                         vertex(i, j + 1, k + 1));
-            }
+            for (int i = 0; i < n; ++i)
+                for (std::size_t d = 0; d < 3 && inside({i, j, k}); ++d)
+                    for (const int side : {0, 1}) {
+                        if (inside(moved({i, j, k}, d, 2 * side - 1))) continue;
+                        // Around the face, counterclockwise from outside.
+                        const std::size_t u = (d + 1 + (1 - side)) % 3,
+                                          v = (d + 2 - (1 - side)) % 3;
+                        const Index corner = moved({i, j, k}, d, side);
+                        const std::uint32_t a = vertex(corner), b = vertex(moved(corner, u, 1)),
+                                            c = vertex(moved(moved(corner, u, 1), v, 1)),
+                                            e = vertex(moved(corner, v, 1));
+                        mesh.triangles.push_back({a, b, c});
+                        mesh.triangles.push_back({a, c, e});
+                    }
     return mesh;
 }
 

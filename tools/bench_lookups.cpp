@@ -20,6 +20,8 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 using namespace vdbpack;
 
@@ -76,6 +78,15 @@ double signedDistanceByLoop(const TriangleMesh& mesh, const Vec<3>& x) {
     return inside ? -std::sqrt(least) : std::sqrt(least);
 }
 
+std::vector<Vec<3>> pointsIn(const Box<3>& bounds, std::size_t count) {
+    RandomStream random(1, 0);
+    std::vector<Vec<3>> points(count);
+    for (auto& x : points)
+        for (int d = 0; d < 3; ++d)
+            x[d] = bounds.lo[d] + random.uniform() * (bounds.hi[d] - bounds.lo[d]);
+    return points;
+}
+
 }  // namespace
 
 void benchLookups(const TriangleMesh& mesh, const std::string& name, double detail) {
@@ -85,16 +96,11 @@ void benchLookups(const TriangleMesh& mesh, const std::string& name, double deta
     options.depth = 6 * detail;  // three largest radii
     const auto domain = meshDomain(mesh, options);
     const auto sampler = domain->sampler();
-    const Box<3> bounds = domain->bounds();
     constexpr std::size_t kPoints = 2000000, kSides = 400000, kExact = 20000, kLoops = 10;
-    RandomStream random(1, 0);
-    std::vector<Vec<3>> points(kPoints);
+    const std::vector<Vec<3>> points = pointsIn(domain->bounds(), kPoints);
     std::vector<Point> same;
-    for (auto& x : points) {
-        for (int d = 0; d < 3; ++d)
-            x[d] = bounds.lo[d] + random.uniform() * (bounds.hi[d] - bounds.lo[d]);
-        if (same.size() < kSides) same.emplace_back(x[0], x[1], x[2]);
-    }
+    for (std::size_t i = 0; i < kSides; ++i)
+        same.emplace_back(points[i][0], points[i][1], points[i][2]);
 
     std::vector<double> field(kPoints);
     const double ours =
@@ -127,14 +133,14 @@ void benchLookups(const TriangleMesh& mesh, const std::string& name, double deta
         if ((field[i] < 0) != inside[i]) ++(std::fabs(field[i]) > voxel ? wrong : near);
     for (std::size_t i = 0; i < kLoops; ++i)
         if (std::fabs(byLoop[i]) > voxel && (byLoop[i] < 0) != (field[i] < 0)) ++wrong;
-    const auto row = [&](const char* what, double seconds) {
+    const std::vector<std::pair<const char*, double>> rows{
+        {"domain, clearance", ours},
+        {"CGAL Side_of_triangle_mesh, sign only", side},
+        {"CGAL Side_of_triangle_mesh and distance", exact},
+        {"loop over all triangles, both", loop}};
+    for (const auto& [what, seconds] : rows)
         fmt::print("{:<24} {:<42} {:>12.0f} {:>10.1f}\n", name.substr(name.find_last_of('/') + 1),
                    what, 1 / seconds, seconds / ours);
-    };
-    row("domain, clearance", ours);
-    row("CGAL Side_of_triangle_mesh, sign only", side);
-    row("CGAL Side_of_triangle_mesh and distance", exact);
-    row("loop over all triangles, both", loop);
     fmt::print(
         "{:<24} {} triangles, voxels of {:.3g} mm; of {} signs, {} differ from CGAL's within a "
         "voxel of the wall, {} elsewhere\n",

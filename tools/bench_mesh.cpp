@@ -2,7 +2,6 @@
 
 #include "vdbpack/mesh/formats/mesh_io.h"
 
-#include <cstdlib>
 #include <vector>
 
 using namespace vdbpack;

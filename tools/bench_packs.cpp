@@ -103,34 +103,49 @@ double ksOfHalves(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& do
         [&](double r) { return share(std::lower_bound(inner.begin(), inner.end(), r)); });
 }
 
-/// Packs, checks and prints a row.
+/// What a job packs.
 template <int Dim>
-void runJob(const Job& job, int threads) {
-    const double half = job.side / 2;
-    std::shared_ptr<const Domain<Dim>> domain =
-        boxDomain<Dim>({Box<Dim>::filled(-half), Box<Dim>::filled(half)});
-    std::string name = fmt::format("{}:{:.0f}", Dim == 3 ? "box" : "rect", job.side);
-    std::string radii = job.radii;
-    double field = 0;
+struct Subject {
+    std::shared_ptr<const Domain<Dim>> domain;
+    std::string name, radii;
+    double field = 0;  ///< seconds for the field of a mesh
+};
+
+template <int Dim>
+Subject<Dim> subjectOf(const Job& job, int threads) {
+    Subject<Dim> made;
     if constexpr (Dim == 3) {
         if (!job.mesh.empty()) {
             const BenchMesh argument = readBenchMesh(job.mesh);
             const FieldOptions make = argument.fieldOptions();
             withThreads(threads, [&] {
-                field = secondsOf([&] { domain = meshDomain(argument.mesh, make); });
+                made.field = secondsOf([&] { made.domain = meshDomain(argument.mesh, make); });
             });
-            name = argument.file.substr(argument.file.find_last_of('/') + 1);
-            name = name.substr(0, name.find_first_of("._"));
-            radii =
+            made.name = argument.file.substr(argument.file.find_last_of('/') + 1);
+            made.name = made.name.substr(0, made.name.find_first_of("._"));
+            made.radii =
                 fmt::format("uniform:{},{}", argument.smallestRadius, 2 * argument.smallestRadius);
+            return made;
         }
     }
+    const double half = job.side / 2;
+    made.domain = boxDomain<Dim>({Box<Dim>::filled(-half), Box<Dim>::filled(half)});
+    made.name = fmt::format("{}:{:.0f}", Dim == 3 ? "box" : "rect", job.side);
+    made.radii = job.radii;
+    return made;
+}
+
+/// Packs, checks and prints a row.
+template <int Dim>
+void runJob(const Job& job, int threads) {
+    const auto [domain, name, radii, field] = subjectOf<Dim>(job, threads);
     PackOptions options(SizeDistribution::parse(radii, Dim));
     options.effort = job.effort;
     options.threads = job.threads > 0 ? job.threads : threads;
     if (job.oneBlock) options.blockSide = 2 * job.side;
     PackResult<Dim> result;
-    const double pack = secondsOf([&] { result = packSpheres(*domain, options); });
+    const auto& space = *domain;
+    const double pack = secondsOf([&] { result = packSpheres(space, options); });
     auto& spheres = result.pack.spheres;
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -139,15 +154,15 @@ void runJob(const Job& job, int threads) {
     double halves = 0;
     std::size_t overlaps = 0;
     withThreads(threads, [&] {
-        total = solidFraction(spheres, *domain);
-        interior = interiorFraction(spheres, *domain, 3 * options.sizes.max());
+        total = solidFraction(spheres, space);
+        interior = interiorFraction(spheres, space, 3 * options.sizes.max());
         std::vector<double> placed;
         for (const auto& s : spheres) placed.push_back(s.radius);
         ks = ksDistance(std::move(placed), [&](double r) { return options.sizes.cdf(r); });
         for (int run = 0; run < 3; ++run)
             check = std::min(check, secondsOf([&] { overlaps += checkOverlap(spheres).pairs; }));
-        if (job.mesh.empty()) seam = seams(result, *domain, options.sizes.max());
-        halves = ksOfHalves(spheres, *domain);
+        if (job.mesh.empty()) seam = seams(result, space, options.sizes.max());
+        halves = ksOfHalves(spheres, space);
         RandomStream random(1, 0);
         for (std::size_t i = spheres.size(); i > 1; --i)
             std::swap(spheres[i - 1],

@@ -11,7 +11,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 
 using namespace vdbpack;
 

@@ -14,7 +14,6 @@
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
-#include <utility>
 
 using namespace vdbpack;
 

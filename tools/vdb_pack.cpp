@@ -287,6 +287,31 @@ void shareOut(CliOptions& options, RankSession& session) {
     if (job->threads == 0) job->threads = session.threads();
 }
 
+/// Parses, runs and prints. @return the exit code.
+int runProgram(int argc, char** argv, RankSession* session) {
+    isSpeaker = !session || session->ranks().isFirst();
+    if (!isSpeaker && !std::freopen("/dev/null", "w", stdout))
+        throw IoError("/dev/null: cannot be opened");
+    int exitCode = kDone;
+    if (session) requireSameCommand(session->ranks(), argc, argv);
+    // What is wrong with it the first process alone tells.
+    auto options = isSpeaker ? parseCommandLine(argc, argv, exitCode) : std::nullopt;
+    if (session &&
+        gathered(&session->ranks(), std::vector<int>{options.has_value()}).front().front()) {
+        if (!isSpeaker) options = parseCommandLine(argc, argv, exitCode);
+        shareOut(*options, *session);
+    }
+    if (options) exitCode = runCommand(*options);
+    if (interrupted) exitCode = kInterrupted;
+    if (options && exitCode == kDone) fmt::print("{}", options->afterwards);
+    errno = 0;
+    if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && exitCode == kDone)
+        throw IoError(fmt::format("standard output: writing failed: {}{}",
+                                  errno != 0 ? std::strerror(errno) : "not all was written",
+                                  options ? "; files are complete" : ""));
+    return exitCode;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -307,26 +332,7 @@ int main(int argc, char** argv) {
     };
     try {
         session = startRanks();
-        isSpeaker = !session || session->ranks().isFirst();
-        if (!isSpeaker && !std::freopen("/dev/null", "w", stdout))
-            throw IoError("/dev/null: cannot be opened");
-        int exitCode = kDone;
-        if (session) requireSameCommand(session->ranks(), argc, argv);
-        // What is wrong with it the first process alone tells.
-        auto options = isSpeaker ? parseCommandLine(argc, argv, exitCode) : std::nullopt;
-        if (session &&
-            gathered(&session->ranks(), std::vector<int>{options.has_value()}).front().front()) {
-            if (!isSpeaker) options = parseCommandLine(argc, argv, exitCode);
-            shareOut(*options, *session);
-        }
-        if (options) exitCode = runCommand(*options);
-        if (interrupted) exitCode = kInterrupted;
-        if (options && exitCode == kDone) fmt::print("{}", options->afterwards);
-        errno = 0;
-        if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && exitCode == kDone)
-            throw IoError(fmt::format("standard output: writing failed: {}{}",
-                                      errno != 0 ? std::strerror(errno) : "not all was written",
-                                      options ? "; files are complete" : ""));
+        const int exitCode = runProgram(argc, argv, session.get());
         return session ? session->end(false, exitCode, {}) : exitCode;
     } catch (const Interrupted& e) {
         return fail(e.what(), kInterrupted);

@@ -1,9 +1,10 @@
 // The command line: help, misuse, recipes, completion, progress.
-#include "cli/help.h"
 #include "cli/progress_line.h"
 #include "support/paths.h"
 #include "support/temporary_folder.h"
 #include "support/tool.h"
+
+#include "vdbpack/io/text.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,7 @@
 
 using namespace vdbpack::test;
 using Catch::Matchers::Contains;
+using vdbpack::wrapped;
 using vdbpack::test::Output;
 using vdbpack::test::vdbPack;
 

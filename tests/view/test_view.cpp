@@ -75,13 +75,10 @@ std::vector<std::uint32_t> wholeNumbersOf(const Json& facts) {
                        reinterpret_cast<const Bytef*>(packed.data()),
                        static_cast<uLong>(packed.size())) == Z_OK);
     REQUIRE((size == 2 * count || size == 4 * count));
-    const auto word = [&](std::size_t i) {
-        return static_cast<std::uint32_t>(static_cast<std::uint8_t>(plain[2 * i]) |
-                                          static_cast<std::uint8_t>(plain[2 * i + 1]) << 8);
-    };
-    std::vector<std::uint32_t> numbers;
-    for (std::size_t i = 0; i < count; ++i)
-        numbers.push_back(word(i) + (size == 4 * count ? word(count + i) << 16 : 0));
+    std::vector<std::uint32_t> numbers(count);
+    const std::size_t width = size / count;
+    for (std::size_t i = 0; i < size; ++i)
+        numbers[i / width] |= std::uint32_t{static_cast<std::uint8_t>(plain[i])} << 8 * (i % width);
     return numbers;
 }
 

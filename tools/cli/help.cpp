@@ -1,5 +1,7 @@
 #include "cli/help.h"
 
+#include "vdbpack/io/text.h"
+
 #include <algorithm>
 #include <sstream>
 #include <utility>
@@ -9,33 +11,6 @@ namespace {
 constexpr std::size_t kNames = 24;  ///< columns that names take, before what they do
 
 }  // namespace
-
-std::string wrapped(const std::string& text, std::size_t columns, std::size_t indent,
-                    std::size_t at) {
-    std::string out;
-    std::istringstream lines(text);
-    bool firstLine = true;
-    for (std::string line; std::getline(lines, line); firstLine = false) {
-        if (!firstLine) {
-            out += '\n' + std::string(indent, ' ');
-            at = indent;
-        }
-        std::istringstream words(line);
-        bool first = true;
-        for (std::string word; words >> word; first = false) {
-            if (!first && at + 1 + word.size() > columns) {
-                out += '\n' + std::string(indent, ' ');
-                at = indent;
-            } else if (!first) {
-                out += ' ';
-                ++at;
-            }
-            out += word;
-            at += word.size();
-        }
-    }
-    return out;
-}
 
 std::string HelpPage::heading(const std::string& text) const {
     return colored_ ? "\x1b[1m" + text + "\x1b[0m" : text;
@@ -47,7 +22,7 @@ std::string HelpPage::row(const std::string& name, const std::string& text) cons
         out += '\n' + std::string(kNames, ' ');
     else
         out.resize(kNames, ' ');
-    return out + wrapped(text, columns_, kNames, kNames) + '\n';
+    return out + vdbpack::wrapped(text, columns_, kNames, kNames) + '\n';
 }
 
 std::string HelpPage::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const {
@@ -111,9 +86,10 @@ std::string HelpPage::make_subcommand(const CLI::App* app) const {
 }
 
 std::string HelpPage::make_description(const CLI::App* app) const {
-    return wrapped(app->get_description(), columns_, 0, 0) + '\n';
+    return vdbpack::wrapped(app->get_description(), columns_, 0, 0) + '\n';
 }
 
 std::string HelpPage::make_footer(const CLI::App* app) const {
-    return app->get_footer().empty() ? "" : wrapped(app->get_footer(), columns_, 0, 0) + '\n';
+    return app->get_footer().empty() ? ""
+                                     : vdbpack::wrapped(app->get_footer(), columns_, 0, 0) + '\n';
 }

@@ -6,11 +6,6 @@
 #include <cstddef>
 #include <string>
 
-/// Words of `text` in lines of at most `columns`, the first continuing a line of `at` columns, the
-/// others indented by `indent`. Words that are longer stand alone; line breaks in `text` stay.
-std::string wrapped(const std::string& text, std::size_t columns, std::size_t indent,
-                    std::size_t at);
-
 /// Options by group in two columns within the width of the page, groups in order of their task.
 class HelpPage : public CLI::Formatter {
 public:

@@ -18,7 +18,6 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <utility>
 #include <vector>
 
 using namespace vdbpack;
@@ -54,6 +53,27 @@ void describe(CLI::App& app) {
     app.fallthrough();
 }
 
+/// Commands beside those that do the work.
+struct Further {
+    CLI::App* completion;
+    std::string shell;
+    CLI::App* demo;
+    std::string folder = "vdb_pack-demo";
+
+    Further(CLI::App& app, bool& quiet)
+        : completion(app.add_subcommand(
+              "completion", "complete options in a shell: source <(vdb_pack completion bash)")),
+          demo(app.add_subcommand("demo",
+                                  "pack a femur that comes with the program, as a first example")) {
+        completion->add_option("SHELL", shell, "bash, zsh or fish")
+            ->required()
+            ->type_name("bash|zsh|fish");
+        demo->add_option("FOLDER", folder,
+                         "where its files go; made if need be (default: vdb_pack-demo)");
+        demo->add_flag("--quiet", quiet, "print warnings and errors only")->group("Run");
+    }
+};
+
 }  // namespace
 
 std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode) {
@@ -64,19 +84,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         "and writes files for Houdini, Blender, ParaView and DEM programs.");
     describe(app);
     std::vector<Command> commands = addCommands(app, options.print);
-    std::string shell;
-    CLI::App* completion = app.add_subcommand(
-        "completion", "complete options in a shell: source <(vdb_pack completion bash)");
-    completion->add_option("SHELL", shell, "bash, zsh or fish")
-        ->required()
-        ->type_name("bash|zsh|fish");
-    std::string demoFolder = "vdb_pack-demo";
-    CLI::App* demo =
-        app.add_subcommand("demo", "pack a femur that comes with the program, as a first example");
-    demo->add_option("FOLDER", demoFolder,
-                     "where its files go; made if need be (default: vdb_pack-demo)");
-    demo->add_flag("--quiet", options.print.quiet, "print warnings and errors only")->group("Run");
-
+    Further further(app, options.print.quiet);
     const std::vector<std::string> arguments(argv + 1, argv + argc);
     const auto refuse = [&](const std::string& message) {
         fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2),
@@ -94,14 +102,14 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
             return std::nullopt;
         }
         app.parse(argc, argv);
-        if (completion->parsed()) {
-            fmt::print("{}", completionScript(app, shell));
+        if (further.completion->parsed()) {
+            fmt::print("{}", completionScript(app, further.shell));
             exitCode = 0;
             return std::nullopt;
         }
-        if (demo->parsed()) {
-            options.job = demoJob(demoFolder);
-            if (!options.print.quiet) options.afterwards = demoText(demoFolder, argv[0]);
+        if (further.demo->parsed()) {
+            options.job = demoJob(further.folder);
+            if (!options.print.quiet) options.afterwards = demoText(further.folder, argv[0]);
             return options;
         }
         options.job = *parsedJob(commands, arguments);

@@ -10,7 +10,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 
@@ -68,9 +67,8 @@ void requireUsable(const std::vector<Sphere<Dim>>& spheres) {
     std::string at;
     for (int i = 0; i < Dim; ++i) at += fmt::format("{}{}", i ? ", " : "", s.center[i]);
     throw InputError(
-        fmt::format("pack: {} number {} (counted from 0) at ({}) has radius {}: not a "
-                    "finite position and a positive radius (1e-30 to 1e30 mm); remove "
-                    "or correct it",
+        fmt::format("pack: {} number {} (counted from 0) at ({}) has radius {}: not a finite "
+                    "position and a positive radius (1e-30 to 1e30 mm); remove or correct it",
                     Measure<Dim>::kSphere, first.load(), at, s.radius));
 }
 

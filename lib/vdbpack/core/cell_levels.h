@@ -28,12 +28,11 @@ void requireUsable(const std::vector<Sphere<Dim>>& spheres);
 /// gaps of each axis, and keeps a sorted list of occupied cells if that is not enough: memory is
 /// proportional to the number of spheres, and every pair in reach is still found.
 ///
-/// Grids of cells that are not built on this one, and why:
-/// CellList (pack/front) grows sphere by sphere and is searched eight floats at a time;
-/// BodyCells (densify) sorts integer positions every few steps, in the same order for any number of
-/// threads, and hands out the order itself;
-/// PlaneBins (preview) holds boxes in a plane, each in all cells that it meets;
-/// SphereCells (verify) shares no code with what it checks.
+/// Grids of cells that are not built on this one, and why: CellList (pack/front) grows sphere by
+/// sphere and is searched eight floats at a time; BodyCells (densify) sorts integer positions every
+/// few steps, in the same order for any number of threads, and hands out the order itself;
+/// PlaneBins (preview) holds boxes in a plane, each in all cells that it meets; SphereCells
+/// (verify) shares no code with what it checks.
 template <int Dim>
 class CellLevels {
 public:

@@ -56,15 +56,35 @@ std::vector<T> valuesOf(const Ranks::Bytes& bytes) {
     return values;
 }
 
+/// Sends a list of values to each rank. @return the lists of all ranks for this one, by rank.
+template <class T>
+std::vector<std::vector<T>> exchanged(Ranks& ranks, std::vector<std::vector<T>> toEach) {
+    std::vector<Ranks::Bytes> bytes;
+    for (auto& list : toEach) {
+        bytes.push_back(bytesOf(list));
+        list = {};
+    }
+    bytes = ranks.exchange(std::move(bytes));
+    for (std::size_t r = 0; r < bytes.size(); ++r) {
+        toEach[r] = valuesOf<T>(bytes[r]);
+        bytes[r] = {};
+    }
+    return toEach;
+}
+/// All values of some lists, in their order.
+template <class T>
+std::vector<T> joined(const std::vector<std::vector<T>>& lists) {
+    std::vector<T> all;
+    for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
+    return all;
+}
+
 /// The values of each rank, by rank, on all of them. @param ranks  null: this one alone.
 template <class T>
 std::vector<std::vector<T>> gathered(Ranks* ranks, std::vector<T> values) {
     if (!ranks) return {std::move(values)};
     const auto each = static_cast<std::size_t>(ranks->count());
-    std::vector<std::vector<T>> all;
-    for (const auto& bytes : ranks->exchange(std::vector<Ranks::Bytes>(each, bytesOf(values))))
-        all.push_back(valuesOf<T>(bytes));
-    return all;
+    return exchanged(*ranks, std::vector<std::vector<T>>(each, values));
 }
 
 // Over all ranks; `ranks` null: this one alone. Integers are exact, a sum of doubles is rounded in

@@ -111,10 +111,9 @@ std::vector<double> FurtherSizes<Dim>::missingWithVolume(double volume,
     double mean = 0;
     for (std::size_t b = 0; b < kBins; ++b) mean += ballAt(b) / kBins;
     if (volume / mean > 2e9)
-        throw ResourceError(
-            fmt::format("densify: about {:.3g} {} would be added, more than 2e9; choose larger "
-                        "sizes",
-                        volume / mean, Measure<Dim>::kSpheres));
+        throw ResourceError(fmt::format(
+            "densify: about {:.3g} {} would be added, more than 2e9; choose larger sizes",
+            volume / mean, Measure<Dim>::kSpheres));
     // The sizes that are missing depend on the number of spheres, and the number on the sizes.
     double count = volume / mean;
     std::vector<double> want;

@@ -16,6 +16,17 @@ struct FurtherSpheres {
     std::vector<std::int32_t> regions;  ///< empty: all are in one region
 };
 
+/// Draws the further spheres of a stage.
+inline RandomStream furtherStream(std::uint64_t seed, std::uint64_t stage) {
+    return {seed ^ 0x64656e73696679ull, stage};
+}
+
+template <int Dim>
+std::vector<Sphere<Dim>> grownBy(double shell, std::vector<Sphere<Dim>> spheres) {
+    for (auto& s : spheres) s.radius += shell;
+    return spheres;
+}
+
 /// Draws further spheres, such that all spheres together follow the size distribution, and every
 /// region keeps its share of the volume.
 template <int Dim>

@@ -1,6 +1,9 @@
 #include "vdbpack/densify/input_check.h"
 
 #include "vdbpack/core/cell_levels.h"
+#include "vdbpack/core/error.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
@@ -34,6 +37,30 @@ bool isAnyOverlap(const std::vector<Sphere<Dim>>& given, const PeriodicCell<Dim>
 }  // namespace
 
 template <int Dim>
+void checkOptions(const DensifyOptions& options, std::size_t count, double volume) {
+    if (!(options.gap >= 0) || !std::isfinite(options.gap))
+        throw ParameterError(fmt::format("`gap` {} mm: must be 0 or more", options.gap));
+    if (std::isnan(options.fraction) || options.fraction < 0)
+        throw ParameterError(fmt::format(
+            "`fraction` {}: is no solid fraction; request 0 (overlaps alone) to {}, or max",
+            options.fraction, kMostFraction<Dim>));
+    if (std::isfinite(options.fraction) && options.fraction > kMostFraction<Dim>)
+        throw ParameterError(fmt::format(
+            "`fraction` {}: {} cannot be packed as densely; request at most {}, or max for the "
+            "densest pack",
+            options.fraction, Measure<Dim>::kSpheres, kMostFraction<Dim>));
+    if (options.fixed > count)
+        throw ParameterError(fmt::format("`fixed` {}: there are {} {}; fix no more than these",
+                                         options.fixed, count, Measure<Dim>::kSpheres));
+    if (!(volume > 0))
+        throw InputError(fmt::format("densify: the domain has no {}; check its unit and clips",
+                                     Measure<Dim>::kVolume));
+    if (!options.regions.empty() && options.regions.size() != count)
+        throw ParameterError(fmt::format("`regions`: {} for {} {}; pass one each, or none",
+                                         options.regions.size(), count, Measure<Dim>::kSpheres));
+}
+
+template <int Dim>
 bool isAccepted(const std::vector<Sphere<Dim>>& spheres, std::size_t fixed,
                 const Domain<Dim>& domain) {
     if (isAnyOverlap(spheres, domain.cell())) return false;
@@ -46,6 +73,8 @@ bool isAccepted(const std::vector<Sphere<Dim>>& spheres, std::size_t fixed,
                        });
 }
 
+template void checkOptions<2>(const DensifyOptions&, std::size_t, double);
+template void checkOptions<3>(const DensifyOptions&, std::size_t, double);
 template bool isAccepted<2>(const std::vector<Sphere<2>>&, std::size_t, const Domain<2>&);
 template bool isAccepted<3>(const std::vector<Sphere<3>>&, std::size_t, const Domain<3>&);
 

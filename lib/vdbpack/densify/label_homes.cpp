@@ -52,19 +52,13 @@ std::vector<std::uint32_t> LabelHomes::valuesAt(Ranks& ranks,
         asked[home].push_back(wanted[i]);
         askers[home].push_back(i);
     }
-    std::vector<Ranks::Bytes> questions, answers;
-    for (const auto& list : asked) questions.push_back(bytesOf(list));
-    for (const auto& list : ranks.exchange(std::move(questions))) {
-        auto found = valuesOf<std::uint32_t>(list);
-        for (std::uint32_t& v : found) v = values[indexOf(labels, v)];
-        answers.push_back(bytesOf(found));
-    }
+    auto answers = exchanged(ranks, std::move(asked));
+    for (auto& list : answers)
+        for (std::uint32_t& v : list) v = values[indexOf(labels, v)];
+    answers = exchanged(ranks, std::move(answers));
     std::vector<std::uint32_t> all(wanted.size());
-    const auto told = ranks.exchange(std::move(answers));
-    for (std::size_t r = 0; r < count; ++r) {
-        const auto list = valuesOf<std::uint32_t>(told[r]);
-        for (std::size_t k = 0; k < list.size(); ++k) all[askers[r][k]] = list[k];
-    }
+    for (std::size_t r = 0; r < count; ++r)
+        for (std::size_t k = 0; k < answers[r].size(); ++k) all[askers[r][k]] = answers[r][k];
     return all;
 }
 

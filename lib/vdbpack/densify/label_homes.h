@@ -33,17 +33,7 @@ public:
         std::vector<std::vector<T>> lists(static_cast<std::size_t>(ranks.count()));
         for (const T& value : values)
             lists[static_cast<std::size_t>(of(labelOf(value)))].push_back(value);
-        std::vector<Ranks::Bytes> bytes;
-        for (auto& list : lists) {
-            bytes.push_back(bytesOf(list));
-            list = {};
-        }
-        std::vector<T> here;
-        for (const auto& list : ranks.exchange(std::move(bytes))) {
-            const auto some = valuesOf<T>(list);
-            here.insert(here.end(), some.begin(), some.end());
-        }
-        return here;
+        return joined(exchanged(ranks, std::move(lists)));
     }
 
     /// Looks values up at the homes of `wanted`.

@@ -1,4 +1,4 @@
-// Private to densify: further spheres where the requested sizes differ by place.
+// Private to densify: sizes of spheres where the requested sizes differ by place.
 #pragma once
 
 #include "vdbpack/core/rng.h"
@@ -11,13 +11,20 @@
 
 namespace vdbpack {
 
+template <int Dim>
+struct LocalPack {
+    std::vector<Sphere<Dim>> spheres;
+    std::vector<std::int32_t> classes;
+    std::vector<double> relative;  ///< radii where the factor is 1, mm
+};
+
 /// Spheres of requests that are nearly the same form a class, by which they exchange positions and
 /// receive further spheres: of the same group, with factors that differ by at most a tenth.
 template <int Dim>
 class LocalFurther {
 public:
-    /// @param spheres, options  as those of FurtherSizes; with local sizes, which must outlive
-    /// this.
+    /// @param spheres, options  as those of FurtherSizes, with local sizes. Options and domain must
+    /// outlive this.
     LocalFurther(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
                  const DensifyOptions& options);
 
@@ -32,11 +39,23 @@ public:
     /// The same of those that move.
     const std::vector<double>& radii() const { return radii_; }
 
-    /// Spheres of a total volume (2D: area) of about `volume` mm^Dim: radii where the factor is 1,
-    /// with their classes.
-    FurtherSpheres draw(double volume, RandomStream& random) const;
+    /// Adds spheres of a total volume (2D: area) of `missing` mm^Dim, each of the size that is
+    /// requested at its center.
+    /// @param inset  where their centers and the shells around them are to be.
+    void insert(double missing, const Domain<Dim>& inset, std::uint64_t stage,
+                LocalPack<Dim>& pack) const;
+    /// Gives spheres the radii that are requested of them where they are.
+    void fit(LocalPack<Dim>& pack) const;
+    /// The root mean square by which radii differ from those requested, as a share.
+    double misfit(const LocalPack<Dim>& pack) const;
 
 private:
+    FurtherSpheres draw(double volume, RandomStream& random) const;
+    template <class Visit>
+    void forEachAtHome(const LocalPack<Dim>& pack, const Visit& visit) const;
+
+    const Domain<Dim>& domain_;
+    const DensifyOptions& options_;
     struct Group {
         DensifyOptions options;
         std::vector<Sphere<Dim>> spheres;          ///< radii where the factor is 1

@@ -13,6 +13,30 @@
 
 namespace vdbpack {
 
+template <int Dim>
+struct LabelledSphere {
+    std::uint32_t label;
+    Sphere<Dim> sphere;
+};
+
+template <int Dim>
+std::vector<LabelledSphere<Dim>> sortedByLabel(std::vector<LabelledSphere<Dim>> all) {
+    std::sort(all.begin(), all.end(),
+              [](const auto& a, const auto& b) { return a.label < b.label; });
+    return all;
+}
+
+/// The spheres of all ranks on the first one, by label; none on the others.
+template <int Dim>
+std::vector<LabelledSphere<Dim>> gatheredOnFirst(Ranks& ranks,
+                                                 const std::vector<std::uint32_t>& labels,
+                                                 const std::vector<Sphere<Dim>>& spheres) {
+    std::vector<std::vector<LabelledSphere<Dim>>> toEach(static_cast<std::size_t>(ranks.count()));
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+        toEach.front().push_back({labels[i], spheres[i]});
+    return sortedByLabel(joined(exchanged(ranks, std::move(toEach))));
+}
+
 /// Densifies the spheres of all ranks on the first one.
 /// @param spheres  of this rank.
 /// @param alone    densifies a whole pack with options that know no ranks; called by the first one.
@@ -22,26 +46,10 @@ DensifyResult<Dim> densifyOnFirstRank(
     const std::vector<Sphere<Dim>>& spheres, const DensifyOptions& options,
     const std::function<DensifyResult<Dim>(const std::vector<Sphere<Dim>>&, const DensifyOptions&)>&
         alone) {
-    struct Labelled {
-        std::uint32_t label;
-        Sphere<Dim> sphere;
-    };
-    const auto sorted = [](std::vector<Labelled> all) {
-        std::sort(all.begin(), all.end(),
-                  [](const Labelled& a, const Labelled& b) { return a.label < b.label; });
-        return all;
-    };
+    using Labelled = LabelledSphere<Dim>;
     Ranks& ranks = *options.ranks;
     LabelHomes homes(ranks, options.labels, options.pieces);
-    std::vector<Labelled> all;
-    for (std::size_t i = 0; i < spheres.size(); ++i) all.push_back({options.labels[i], spheres[i]});
-    std::vector<Ranks::Bytes> toEach(static_cast<std::size_t>(ranks.count()));
-    toEach.front() = bytesOf(all);
-    all.clear();
-    for (const auto& bytes : ranks.exchange(std::move(toEach))) {
-        const auto some = valuesOf<Labelled>(bytes);
-        all.insert(all.end(), some.begin(), some.end());
-    }
+    std::vector<Labelled> all = gatheredOnFirst(ranks, options.labels, spheres);
 
     /// What all are to know of the result.
     struct Facts {
@@ -52,7 +60,6 @@ DensifyResult<Dim> densifyOnFirstRank(
     };
     std::vector<Facts> facts;
     if (ranks.isFirst()) {
-        all = sorted(std::move(all));
         std::vector<Sphere<Dim>> whole;
         for (const Labelled& l : all) whole.push_back(l.sphere);
         DensifyOptions own = options;
@@ -71,7 +78,7 @@ DensifyResult<Dim> densifyOnFirstRank(
     }
     const Facts told = gathered(&ranks, facts).front().front();
     homes.add(told.added);
-    all = sorted(homes.delivered(ranks, all, [](const Labelled& l) { return l.label; }));
+    all = sortedByLabel(homes.delivered(ranks, all, [](const Labelled& l) { return l.label; }));
 
     DensifyResult<Dim> result;
     for (const Labelled& l : all) {

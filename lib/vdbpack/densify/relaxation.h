@@ -221,7 +221,11 @@ private:
     /// @param to  rank of each slot.
     void send(const std::vector<int>& to);
     void sortLocally(std::vector<std::pair<std::uint64_t, std::uint64_t>>& keys);
+    struct Interval;
+    std::vector<std::vector<Interval>> slotIntervals(const Layers& layers) const;
+    std::vector<std::vector<std::uint32_t>> slotsNear(const Layers& layers) const;
     void addNear(const Layers& layers);
+    std::vector<std::uint32_t> sortWithNear(std::size_t own);
     /// Tells other ranks where the slots are now that are near theirs.
     void refreshNear();
 

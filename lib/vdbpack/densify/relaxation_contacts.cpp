@@ -2,7 +2,6 @@
 #include "vdbpack/densify/relaxation.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace vdbpack {
 

@@ -5,7 +5,6 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/densify/relaxation.h"
 
-#include <cmath>
 #include <limits>
 
 namespace vdbpack {

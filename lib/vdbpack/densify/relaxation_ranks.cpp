@@ -10,7 +10,6 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -126,18 +125,13 @@ void Relaxation<Dim>::send(const std::vector<int>& to) {
         }
         travelers[static_cast<std::size_t>(to[i])].push_back(t);
     }
-    std::vector<Ranks::Bytes> bytes;
-    for (auto& list : travelers) {
-        bytes.push_back(bytesOf(list));
-        list = {};
-    }
-    const auto arrived = ranks_->exchange(std::move(bytes));
+    const auto arrived = exchanged(*ranks_, std::move(travelers));
     std::size_t all = kept;
-    for (const auto& list : arrived) all += list.size() / sizeof(Traveler);
+    for (const auto& list : arrived) all += list.size();
     now_.resize(all);
     slots_.resize(all);
     for (const auto& list : arrived)
-        for (const Traveler& t : valuesOf<Traveler>(list)) {
+        for (const Traveler& t : list) {
             now_.bodies[kept] = t.body;
             now_.motions[kept] = t.motion;
             now_.homes[kept] = t.home;
@@ -215,15 +209,18 @@ void Relaxation<Dim>::sortOverRanks() {
     addNear(layers);
 }
 
+/// Layers of a level in a row, along the last axis.
 template <int Dim>
-void Relaxation<Dim>::addNear(const Layers& layers) {
-    struct Interval {
-        std::size_t level;
-        double lo, hi;
-    };
-    // Where each rank has slots.
-    const auto count = static_cast<std::size_t>(ranks_->count());
-    std::vector<std::vector<Interval>> intervals(count);
+struct Relaxation<Dim>::Interval {
+    std::size_t level;
+    double lo, hi;
+};
+
+/// Where each rank has slots.
+template <int Dim>
+auto Relaxation<Dim>::slotIntervals(const Layers& layers) const
+    -> std::vector<std::vector<Interval>> {
+    std::vector<std::vector<Interval>> intervals(static_cast<std::size_t>(ranks_->count()));
     for (std::size_t k = 0; k + 1 < layers.first.size(); ++k) {
         const auto& level = cells_.levels()[k];
         for (std::size_t l = layers.first[k]; l < layers.first[k + 1]; ++l) {
@@ -244,21 +241,22 @@ void Relaxation<Dim>::addNear(const Layers& layers) {
             if ((first / kRun + 1) * kRun < last && layers.owner[l] != before) add(layers.owner[l]);
         }
     }
-    struct Near {
-        Body body;
-        Home home;
-        std::uint32_t slot;
-    };
-    const std::size_t own = now_.labels.size();
-    std::vector<std::vector<std::uint32_t>> told(count);
+    return intervals;
+}
+
+/// The own slots that each of the other ranks needs, since they are near its own.
+template <int Dim>
+std::vector<std::vector<std::uint32_t>> Relaxation<Dim>::slotsNear(const Layers& layers) const {
+    const auto intervals = slotIntervals(layers);
+    std::vector<std::vector<std::uint32_t>> near(intervals.size());
     const double grow = static_cast<double>(listGrow_) * (1 + 1e-6);
     const auto further = static_cast<double>(further_);
-    for (std::size_t i = 0; i < own; ++i) {
+    for (std::size_t i = 0; i < now_.labels.size(); ++i) {
         const Body& body = now_.bodies[i];
         const auto& mine = cells_.levels()[cells_.levelOf(body.radius)];
         const auto at = static_cast<double>(now_.homes[i][Layers::kAxis]);
         const auto radius = static_cast<double>(body.radius);
-        for (std::size_t r = 0; r < count; ++r) {
+        for (std::size_t r = 0; r < near.size(); ++r) {
             if (static_cast<int>(r) == ranks_->rank()) continue;
             const bool isNear =
                 std::any_of(intervals[r].begin(), intervals[r].end(), [&](const Interval& in) {
@@ -270,28 +268,37 @@ void Relaxation<Dim>::addNear(const Layers& layers) {
                                                     static_cast<double>(mine.largest) + mine.side);
                     return at >= in.lo - reach && at <= in.hi + reach;
                 });
-            if (isNear) told[r].push_back(static_cast<std::uint32_t>(i));
+            if (isNear) near[r].push_back(static_cast<std::uint32_t>(i));
         }
     }
-    std::vector<Ranks::Bytes> bytes;
-    for (const auto& list : told) {
-        std::vector<Near> near;
-        for (const std::uint32_t i : list)
-            near.push_back({now_.bodies[i], now_.homes[i], slots_[i]});
-        bytes.push_back(bytesOf(near));
-    }
-    const auto arrived = ranks_->exchange(std::move(bytes));
+    return near;
+}
+
+template <int Dim>
+void Relaxation<Dim>::addNear(const Layers& layers) {
+    struct Near {
+        Body body;
+        Home home;
+        std::uint32_t slot;
+    };
+    const std::size_t own = now_.labels.size();
+    tell_ = slotsNear(layers);
+    std::vector<std::vector<Near>> toEach(tell_.size());
+    for (std::size_t r = 0; r < tell_.size(); ++r)
+        for (const std::uint32_t i : tell_[r])
+            toEach[r].push_back({now_.bodies[i], now_.homes[i], slots_[i]});
+    const auto arrived = exchanged(*ranks_, std::move(toEach));
     std::vector<std::size_t> heardFirst;  // slot behind the own ones
     std::size_t all = own;
     for (const auto& list : arrived) {
         heardFirst.push_back(all);
-        all += list.size() / sizeof(Near);
+        all += list.size();
     }
     now_.resize(all);
     slots_.resize(all);
-    for (std::size_t r = 0; r < count; ++r) {
+    for (std::size_t r = 0; r < arrived.size(); ++r) {
         std::size_t i = heardFirst[r];
-        for (const Near& near : valuesOf<Near>(arrived[r])) {
+        for (const Near& near : arrived[r]) {
             now_.bodies[i] = near.body;
             now_.motions[i] = {};
             now_.homes[i] = near.home;
@@ -302,20 +309,11 @@ void Relaxation<Dim>::addNear(const Layers& layers) {
         }
     }
     heardFirst.push_back(all);
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> keys(all);
-    forAll(all, [&](std::size_t i) { keys[i] = {slots_[i], i}; });
-    sortLocally(keys);
-    std::vector<std::uint32_t> now(all);  // where each slot is by now
-    isNearSlot_.resize(all);
-    for (std::size_t to = 0; to < all; ++to) {
-        now[keys[to].second] = static_cast<std::uint32_t>(to);
-        isNearSlot_[to] = keys[to].second >= own;
-    }
-    tell_ = std::move(told);
+    const std::vector<std::uint32_t> now = sortWithNear(own);
     for (auto& list : tell_)
         for (std::uint32_t& i : list) i = now[i];
-    heard_.assign(count, {});
-    for (std::size_t r = 0; r < count; ++r)
+    heard_.assign(arrived.size(), {});
+    for (std::size_t r = 0; r < arrived.size(); ++r)
         heard_[r].assign(now.begin() + static_cast<std::ptrdiff_t>(heardFirst[r]),
                          now.begin() + static_cast<std::ptrdiff_t>(heardFirst[r + 1]));
     resizeSlots(all);
@@ -323,21 +321,33 @@ void Relaxation<Dim>::addNear(const Layers& layers) {
     cells_.take(now_.homes, now_.bodies.data(), Layers::kAxis);
 }
 
+/// Sorts the own slots and those behind them of other ranks. @return where each slot is by now.
+template <int Dim>
+std::vector<std::uint32_t> Relaxation<Dim>::sortWithNear(std::size_t own) {
+    const std::size_t all = slots_.size();
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> keys(all);
+    forAll(all, [&](std::size_t i) { keys[i] = {slots_[i], i}; });
+    sortLocally(keys);
+    std::vector<std::uint32_t> now(all);
+    isNearSlot_.resize(all);
+    for (std::size_t to = 0; to < all; ++to) {
+        now[keys[to].second] = static_cast<std::uint32_t>(to);
+        isNearSlot_[to] = keys[to].second >= own;
+    }
+    return now;
+}
+
 template <int Dim>
 void Relaxation<Dim>::refreshNear() {
     if (!ranks_) return refreshImages();
-    std::vector<Ranks::Bytes> bytes;
-    for (const auto& list : tell_) {
-        std::vector<Body> bodies;
-        bodies.reserve(list.size());
-        for (const std::uint32_t i : list) bodies.push_back(now_.bodies[i]);
-        bytes.push_back(bytesOf(bodies));
+    std::vector<std::vector<Body>> toEach(tell_.size());
+    for (std::size_t r = 0; r < tell_.size(); ++r) {
+        toEach[r].reserve(tell_[r].size());
+        for (const std::uint32_t i : tell_[r]) toEach[r].push_back(now_.bodies[i]);
     }
-    const auto arrived = ranks_->exchange(std::move(bytes));
-    for (std::size_t r = 0; r < arrived.size(); ++r) {
-        const auto bodies = valuesOf<Body>(arrived[r]);
-        for (std::size_t k = 0; k < bodies.size(); ++k) now_.bodies[heard_[r][k]] = bodies[k];
-    }
+    const auto bodies = exchanged(*ranks_, std::move(toEach));
+    for (std::size_t r = 0; r < bodies.size(); ++r)
+        for (std::size_t k = 0; k < bodies[r].size(); ++k) now_.bodies[heard_[r][k]] = bodies[r][k];
 }
 
 template <int Dim>

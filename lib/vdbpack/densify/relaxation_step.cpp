@@ -149,12 +149,11 @@ void Relaxation<Dim>::stepRun(Run& run, const Step& step) {
     run.fastest = fastest;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                             \
-    template void Relaxation<Dim>::stepRun<false, false>(Run&, const Step&); \
-    template void Relaxation<Dim>::stepRun<true, false>(Run&, const Step&);  \
-    template void Relaxation<Dim>::stepRun<false, true>(Run&, const Step&);
-VDBPACK_INSTANTIATE(2)
-VDBPACK_INSTANTIATE(3)
-#undef VDBPACK_INSTANTIATE
+template void Relaxation<2>::stepRun<false, false>(Run&, const Step&);
+template void Relaxation<2>::stepRun<true, false>(Run&, const Step&);
+template void Relaxation<2>::stepRun<false, true>(Run&, const Step&);
+template void Relaxation<3>::stepRun<false, false>(Run&, const Step&);
+template void Relaxation<3>::stepRun<true, false>(Run&, const Step&);
+template void Relaxation<3>::stepRun<false, true>(Run&, const Step&);
 
 }  // namespace vdbpack

@@ -4,7 +4,6 @@
 #include "vdbpack/densify/relaxation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 
@@ -56,8 +55,7 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::vacancies(const std::vector<double>& r
         std::vector<Body> around;
         for (std::size_t k = part.begin(); k < part.end(); ++k) {
             RandomStream random(seed_ ^ mix64(salt), k);
-            // Anchors at equal distances in the order of the cells: evenly
-            // spread over the spheres.
+            // Anchors at equal distances in the order of the cells: evenly spread over the spheres.
             const Region& region = all.at(many ? regions[k] : 0);
             const auto anchor = static_cast<std::size_t>(
                 (static_cast<double>(numbers[k]) + random.uniform()) /
@@ -124,15 +122,14 @@ Vec<Dim> Relaxation<Dim>::vacancyNear(std::uint32_t slot, double radius, RandomS
     return best;
 }
 
-template std::vector<Relaxation<2>::Vacancy> Relaxation<2>::vacanciesHere(
-    const std::vector<double>&, std::uint64_t);
-template std::vector<Relaxation<3>::Vacancy> Relaxation<3>::vacanciesHere(
-    const std::vector<double>&, std::uint64_t);
-template std::vector<Sphere<2>> Relaxation<2>::vacancies(const std::vector<double>&,
-                                                         const std::vector<std::int32_t>&,
-                                                         std::uint64_t, const Belongs&);
-template std::vector<Sphere<3>> Relaxation<3>::vacancies(const std::vector<double>&,
-                                                         const std::vector<std::int32_t>&,
-                                                         std::uint64_t, const Belongs&);
+#define VDBPACK_INSTANTIATE(Dim)                                                                   \
+    template std::vector<Relaxation<Dim>::Vacancy> Relaxation<Dim>::vacanciesHere(                 \
+        const std::vector<double>&, std::uint64_t);                                                \
+    template std::vector<Sphere<Dim>> Relaxation<Dim>::vacancies(const std::vector<double>&,       \
+                                                                 const std::vector<std::int32_t>&, \
+                                                                 std::uint64_t, const Belongs&);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
 
 }  // namespace vdbpack

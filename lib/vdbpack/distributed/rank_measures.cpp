@@ -110,9 +110,7 @@ void mergeWorst(Ranks& ranks, std::vector<std::pair<double, std::array<Named<Dim
     };
     std::vector<Finding> found;
     for (const auto& [value, spheres] : own) found.push_back({value, spheres[0], spheres[1]});
-    std::vector<Finding> all;
-    for (const auto& list : gathered(&ranks, found))
-        all.insert(all.end(), list.begin(), list.end());
+    std::vector<Finding> all = joined(gathered(&ranks, found));
     std::sort(all.begin(), all.end(), [](const Finding& a, const Finding& b) {
         return std::make_tuple(-a.value, a.a.row, a.b.row) <
                std::make_tuple(-b.value, b.a.row, b.b.row);
@@ -148,10 +146,6 @@ ContactSums sumOver(Ranks& ranks, const ContactSums& own) {
     all.smallestGap = minOver(&ranks, own.smallestGap);
     return all;
 }
-
-}  // namespace
-
-namespace {
 
 /// The same as `checkLocalSizes` of one process.
 template <int Dim>
@@ -192,6 +186,83 @@ void compareLocalSizes(const RankPack<Dim>& share, const SizeDistribution& sizes
             [&](double r) { return volume(below(r)); });
         addLocalGroup(std::move(group), report);
     }
+}
+
+/// Protrusion of the spheres of all ranks; the worst are added to `named`.
+/// @param distances  set to those of the own spheres to the first wall.
+template <int Dim>
+ProtrusionCheck protrusionOver(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
+                               const std::vector<std::int64_t>& rows,
+                               const std::vector<const DomainSource*>& walls,
+                               std::vector<double>& distances, Pack<Dim>& named) {
+    ProtrusionCheck protrusion = walls.front()->protrusion(spheres, &distances);
+    for (std::size_t i = 1; i < walls.size(); ++i) {
+        const ProtrusionCheck wall = walls[i]->protrusion(spheres);
+        if (wall.max > protrusion.max) protrusion = wall;
+    }
+    std::vector<std::pair<double, std::array<Named<Dim>, 2>>> worst;
+    for (const auto& w : protrusion.worst)
+        worst.push_back({w.protrusion, {Named<Dim>{spheres[w.i], rows[w.i]}, {}}});
+    protrusion.worst.clear();
+    mergeWorst<Dim>(ranks, worst, 1, named, [&](double value, std::size_t first) {
+        protrusion.worst.push_back({first, value});
+    });
+    protrusion.max = maxOver(&ranks, protrusion.max);
+    protrusion.spheres = sumOver(&ranks, protrusion.spheres);
+    protrusion.centersOutside = sumOver(&ranks, protrusion.centersOutside);
+    return protrusion;
+}
+
+/// What it takes neighbors for, part by part: overlaps, of which the worst are added to `named`,
+/// contacts and the smallest gap.
+template <int Dim>
+void measureNeighbors(Ranks& ranks, Pack<Dim>& pack, const std::vector<std::int64_t>& rows,
+                      double tolerance, Report& report, Pack<Dim>& named) {
+    const auto& spheres = pack.spheres;
+    const double gap = report.requestedGap;
+    const double slack = std::max(tolerance, report.count > 0 ? 1.01 * gap / report.radius.min : 0);
+    SpaceShares<Dim> shares(ranks, spheres, rows, {slack, 0, pack.cell});
+    JoinedComponents components(ranks);
+    ContactSums sums;
+    OverlapCheck overlap;
+    double smallest = std::numeric_limits<double>::infinity();
+    std::vector<std::pair<double, std::array<Named<Dim>, 2>>> worst;
+    pack.contacts.assign(spheres.size(), 0);
+    for (std::size_t round = 0; round < shares.rounds(); ++round) {
+        const auto part = shares.part(round);
+        const OverlapCheck here = checkOverlap(part.spheres, part.own);
+        overlap.max = std::max(overlap.max, here.max);
+        overlap.pairs += here.pairs;
+        overlap.complete = overlap.complete && here.complete;
+        for (const auto& w : here.worst)
+            worst.push_back({w.overlap,
+                             {Named<Dim>{part.spheres[w.i], part.rows[w.i]},
+                              Named<Dim>{part.spheres[w.j], part.rows[w.j]}}});
+        const PartContacts contacts = contactsOfPart(part.spheres, part.own, tolerance);
+        sums.add(contacts.sums);
+        components.add(part.own, contacts.component, part.rows, part.shared);
+        shares.handBack(contacts.partners, pack.contacts);
+        if (gap > 0) smallest = std::min(smallest, smallestGap(part.spheres).value_or(smallest));
+    }
+    mergeWorst<Dim>(ranks, worst, 2, named, [&](double value, std::size_t first) {
+        overlap.worst.push_back({first, first + 1, value});
+    });
+    overlap.max = maxOver(&ranks, overlap.max);
+    overlap.pairs = sumOver(&ranks, overlap.pairs);
+    overlap.complete = !anyOver(&ranks, !overlap.complete);
+    report.overlap = overlap;
+
+    sums.add(spheres, tolerance, pack.depth, pack.contacts);
+    ContactNetwork contacts = networkOf(sumOver(ranks, sums), Dim);
+    const auto joint = components.join();
+    contacts.components = joint.components;
+    if (report.count > 0) {
+        contacts.largestComponent =
+            static_cast<double>(joint.largest) / static_cast<double>(report.count);
+        report.contacts = contacts;
+    }
+    smallest = minOver(&ranks, std::min(smallest, contacts.smallestGap));
+    if (std::isfinite(smallest) && report.existing == 0) report.smallestGap = smallest;
 }
 
 }  // namespace
@@ -241,7 +312,6 @@ Pack<Dim> measureOverRanks(const RankPack<Dim>& share, SphereRows mine,
     Pack<Dim>& pack = share.pack;
     const auto& spheres = pack.spheres;
     const Domain<Dim>& domain = share.domain;
-    std::vector<std::int64_t>& rows = mine.rows;
     Pack<Dim> named;
 
     report.dim = Dim;
@@ -254,88 +324,26 @@ Pack<Dim> measureOverRanks(const RankPack<Dim>& share, SphereRows mine,
     report.volume = domain.volume();
     report.area = domain.wallArea();
 
-    // What each rank finds of its own spheres.
     std::vector<double> distances;
-    ProtrusionCheck protrusion = walls.front()->protrusion(spheres, &distances);
-    for (std::size_t i = 1; i < walls.size(); ++i) {
-        const ProtrusionCheck wall = walls[i]->protrusion(spheres);
-        if (wall.max > protrusion.max) protrusion = wall;
-    }
+    report.protrusion = protrusionOver(ranks, spheres, mine.rows, walls, distances, named);
     if (!pack.cell.all()) pack.depth = walls.front()->depths(spheres, domain, distances);
     distances = {};
-    std::vector<std::pair<double, std::array<Named<Dim>, 2>>> worst;
-    for (const auto& w : protrusion.worst)
-        worst.push_back({w.protrusion, {Named<Dim>{spheres[w.i], rows[w.i]}, {}}});
-    protrusion.worst.clear();
-    mergeWorst<Dim>(ranks, worst, 1, named, [&](double value, std::size_t first) {
-        protrusion.worst.push_back({first, value});
-    });
-    protrusion.max = maxOver(&ranks, protrusion.max);
-    protrusion.spheres = sumOver(&ranks, protrusion.spheres);
-    protrusion.centersOutside = sumOver(&ranks, protrusion.centersOutside);
-    report.protrusion = protrusion;
-    report.solidFractionTotal = protrusion.spheres > 0 ? interiorFraction(spheres, domain, 0, mine)
-                                                       : solidFraction(spheres, domain, &ranks);
+    report.solidFractionTotal = report.protrusion->spheres > 0
+                                    ? interiorFraction(spheres, domain, 0, mine)
+                                    : solidFraction(spheres, domain, &ranks);
     if (const double interior = 3 * report.radius.max; interior <= domain.fieldDepth())
         report.solidFractionInterior = interiorFraction(spheres, domain, interior, mine);
-
-    // What it takes neighbors for, part by part.
-    const double gap = report.requestedGap;
-    const double slack = std::max(tolerance, report.count > 0 ? 1.01 * gap / report.radius.min : 0);
-    SpaceShares<Dim> shares(ranks, spheres, rows, {slack, 0, pack.cell});
-    JoinedComponents components(ranks);
-    ContactSums sums;
-    OverlapCheck overlap;
-    double smallest = std::numeric_limits<double>::infinity();
-    worst.clear();
-    pack.contacts.assign(spheres.size(), 0);
-    for (std::size_t round = 0; round < shares.rounds(); ++round) {
-        const auto part = shares.part(round);
-        const OverlapCheck here = checkOverlap(part.spheres, part.own);
-        overlap.max = std::max(overlap.max, here.max);
-        overlap.pairs += here.pairs;
-        overlap.complete = overlap.complete && here.complete;
-        for (const auto& w : here.worst)
-            worst.push_back({w.overlap,
-                             {Named<Dim>{part.spheres[w.i], part.rows[w.i]},
-                              Named<Dim>{part.spheres[w.j], part.rows[w.j]}}});
-        const PartContacts contacts = contactsOfPart(part.spheres, part.own, tolerance);
-        sums.add(contacts.sums);
-        components.add(part.own, contacts.component, part.rows, part.shared);
-        shares.handBack(contacts.partners, pack.contacts);
-        if (gap > 0) smallest = std::min(smallest, smallestGap(part.spheres).value_or(smallest));
-    }
-    mergeWorst<Dim>(ranks, worst, 2, named, [&](double value, std::size_t first) {
-        overlap.worst.push_back({first, first + 1, value});
-    });
-    overlap.max = maxOver(&ranks, overlap.max);
-    overlap.pairs = sumOver(&ranks, overlap.pairs);
-    overlap.complete = !anyOver(&ranks, !overlap.complete);
-    report.overlap = overlap;
-
-    sums.add(spheres, tolerance, pack.depth, pack.contacts);
-    ContactNetwork contacts = networkOf(sumOver(ranks, sums), Dim);
-    const auto joined = components.join();
-    contacts.components = joined.components;
-    if (report.count > 0) {
-        contacts.largestComponent =
-            static_cast<double>(joined.largest) / static_cast<double>(report.count);
-        report.contacts = contacts;
-    }
-    smallest = minOver(&ranks, std::min(smallest, contacts.smallestGap));
-    if (std::isfinite(smallest) && report.existing == 0) report.smallestGap = smallest;
+    measureNeighbors(ranks, pack, mine.rows, tolerance, report, named);
     // The index among all names a sphere.
-    if (pack.id.empty()) pack.id = std::move(rows);
+    if (pack.id.empty()) pack.id = std::move(mine.rows);
     return named;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                                 \
-    template void compareSizes(const RankPack<Dim>&, const SizeDistribution&, const LocalSizes*, \
-                               Report&);                                                         \
-    template Pack<Dim> measureOverRanks(const RankPack<Dim>&, SphereRows,                        \
-                                        const std::vector<const DomainSource*>&, double, Report&);
-VDBPACK_INSTANTIATE(2)
-VDBPACK_INSTANTIATE(3)
-#undef VDBPACK_INSTANTIATE
+template void compareSizes(const RankPack<2>&, const SizeDistribution&, const LocalSizes*, Report&);
+template Pack<2> measureOverRanks(const RankPack<2>&, SphereRows,
+                                  const std::vector<const DomainSource*>&, double, Report&);
+template void compareSizes(const RankPack<3>&, const SizeDistribution&, const LocalSizes*, Report&);
+template Pack<3> measureOverRanks(const RankPack<3>&, SphereRows,
+                                  const std::vector<const DomainSource*>&, double, Report&);
 
 }  // namespace vdbpack

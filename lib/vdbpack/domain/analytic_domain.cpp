@@ -262,18 +262,13 @@ private:
     double half_;
 };
 
-}  // namespace
-
-namespace {
-
 template <int Dim>
 void checkBox(const Box<Dim>& box, const char* name) {
     for (int i = 0; i < Dim; ++i)
         if (!std::isfinite(box.lo[i]) || !std::isfinite(box.hi[i]) || !(box.lo[i] < box.hi[i]))
-            throw ParameterError(
-                fmt::format("{}: axis {} runs from {} to {}; give finite bounds in mm, the lower "
-                            "one first",
-                            name, "xyz"[i], box.lo[i], box.hi[i]));
+            throw ParameterError(fmt::format(
+                "{}: axis {} runs from {} to {}; give finite bounds in mm, the lower one first",
+                name, "xyz"[i], box.lo[i], box.hi[i]));
 }
 
 }  // namespace

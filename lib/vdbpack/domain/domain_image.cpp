@@ -6,9 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <system_error>
 #include <utility>
 
@@ -24,10 +22,9 @@ void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::strin
     for (int d = 0; d < 3; ++d)
         if (box.lo[d] < 0.5 ||
             box.hi[d] > static_cast<double>(grid.size[static_cast<std::size_t>(d)]) - 1.5) {
-            callbacks.warn(
-                fmt::format("{}: label {} reaches the border of the image, where a flat "
-                            "wall closes it",
-                            path, part.name));
+            callbacks.warn(fmt::format(
+                "{}: label {} reaches the border of the image, where a flat wall closes it", path,
+                part.name));
             return;
         }
 }
@@ -40,15 +37,15 @@ LabelPart selectedPart(const DomainRecipe& recipe,
     const std::string& path = recipe.source;
     if (!labels)
         throw ParameterError(path +
-                             ": is no label map, but has many different values; set "
-                             "`threshold` to the lowest value of bone");
+                             ": is no label map, but has many different values; set `threshold` to "
+                             "the lowest value of bone");
     const std::string text = recipe.label.empty() && labels->size() <= 1 ? "all" : recipe.label;
     if (!text.empty()) {
         const auto parts = parseLabels(text, *labels, path);
         if (parts.size() == 1) return parts.front();
         throw ParameterError(
-            fmt::format("`label` {}: names {} parts, where a single domain is "
-                        "needed; name one label, or join them by +",
+            fmt::format("`label` {}: names {} parts, where a single domain is needed; name one "
+                        "label, or join them by +",
                         text, parts.size()));
     }
     std::string list;
@@ -117,10 +114,10 @@ TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
         if (!recipe.label.empty())
             throw ParameterError("`label` and `threshold`: a domain has one of them");
         if (const auto labels = labelsOf(image); labels && labels->size() > 1)
-            callbacks.warn(fmt::format(
-                "{}: seems to be a label map of {} labels, between whose values `threshold` has no "
-                "meaning; set `label`",
-                recipe.source, labels->size()));
+            callbacks.warn(
+                fmt::format("{}: seems to be a label map of {} labels, between whose values "
+                            "`threshold` has no meaning; set `label`",
+                            recipe.source, labels->size()));
         return thresholdSurface(image, *recipe.threshold, recipe.source);
     }
     const auto labels = labelsOf(image);

@@ -74,10 +74,9 @@ TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbac
     const CavityChoice cavities = parseCavities(recipe.cavities);
     const std::string& file = recipe.source;
     if (!cavities.outer.empty() && cavities.outer != file)
-        throw ParameterError(
-            fmt::format("`cavities` names {} as the outer surface and the domain is {}: "
-                        "give one of the two",
-                        cavities.outer, file));
+        throw ParameterError(fmt::format(
+            "`cavities` names {} as the outer surface and the domain is {}: give one of the two",
+            cavities.outer, file));
     TriangleMesh mesh = readOne(recipe, file, callbacks, report);
     if (cavities.fill) return outermostShells(mesh, analyzeShells(mesh));
     if (cavities.inner.empty()) return mesh;

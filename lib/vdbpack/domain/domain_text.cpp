@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -89,8 +88,7 @@ NamedShape periodicShape(const std::string& what, const std::string& lengths) {
 
 const char* const kShapeForms =
     "box:LX,LY,LZ, box:x0,y0,z0,x1,y1,z1, ball:R, cylinder:R,H, rect:W,H, rect:x0,y0,x1,y1, "
-    "disc:R, "
-    "periodic:LX,LY,LZ or periodic:LX,LY";
+    "disc:R, periodic:LX,LY,LZ or periodic:LX,LY";
 
 bool namesUnknownShape(const std::string& text) {
     const auto colon = text.find(':');

@@ -55,9 +55,8 @@ struct FacetEntry {
     std::uint32_t cell, facet;
 };
 
-/// Appends an entry for every cell that the facet number `id` meets;
-/// a few more cells may be listed, never one too few. Stops early once
-/// `entries` has more than `most`.
+/// Appends an entry for every cell that the facet number `id` meets; a few more cells may be
+/// listed, never one too few. Stops early once `entries` has more than `most`.
 template <int Dim>
 void listCells(const FacetCells<Dim>& cells, const Facet<Dim>& facet, std::uint32_t id,
                std::size_t most, std::vector<FacetEntry>& entries);

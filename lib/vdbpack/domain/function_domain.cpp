@@ -169,10 +169,10 @@ void checkValues(const Function<Dim>& f, const Box<Dim>& bounds, const FunctionO
             if (p / stride % kCheckedPoints > 0) {
                 const double slope = std::abs(values[p] - values[p - stride]) / step[i];
                 if (slope > options.steepest * (1 + 1e-6))
-                    throw InputError(fmt::format(
-                        "{}: the gradient near {} mm is {:.4g} or more, larger than `steepest` "
-                        "{:.4g}; pass the largest gradient",
-                        options.name, textOf(x), slope, options.steepest));
+                    throw InputError(
+                        fmt::format("{}: the gradient near {} mm is {:.4g} or more, larger than "
+                                    "`steepest` {:.4g}; pass the largest gradient",
+                                    options.name, textOf(x), slope, options.steepest));
             }
             stride *= kCheckedPoints;
         }
@@ -201,10 +201,9 @@ std::shared_ptr<const Domain<Dim>> functionDomain(std::function<double(const Vec
     const auto domain = checkedDomain<Dim>(std::move(f), bounds, bounds, options);
     domain->integrate();
     if (!(domain->volume() > 0))
-        throw InputError(
-            fmt::format("{}: it is negative nowhere within the bounds; distances are "
-                        "negative inside",
-                        options.name));
+        throw InputError(fmt::format(
+            "{}: it is negative nowhere within the bounds; distances are negative inside",
+            options.name));
     return domain;
 }
 

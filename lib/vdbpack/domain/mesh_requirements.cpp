@@ -20,6 +20,15 @@ constexpr std::size_t kFewTriangles = 16;
 // More active voxels than this (some 40 GB) result from a wrong unit.
 constexpr double kMostVoxels = 5e9;
 
+/// Copies of a few triangles are a flaw, of all of them another mistake.
+void refuseCopies(const std::string& name, const MeshHealth& health) {
+    if (20 * health.duplicateTriangles > 9 * health.triangles)
+        throw InputError(
+            fmt::format("{}: holds the same surface more than once: {} of its {} triangles are "
+                        "copies of others. Remove the copy, or set `repair`",
+                        name, health.duplicateTriangles, health.triangles));
+}
+
 }  // namespace
 
 void requireLengths(const FieldOptions& options) {
@@ -54,30 +63,17 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
     const Vec<3> size = mesh.bounds().size();
     const double longest = *std::max_element(size.c.begin(), size.c.end());
     if (!(voxelSize <= longest))
-        throw ParameterError(fmt::format(
-            "{}: voxels of {:.4g} mm are larger than the mesh, which is {:.4g} mm across; give "
-            "smaller voxels, or check the unit of the mesh",
-            name, voxelSize, longest));
+        throw ParameterError(
+            fmt::format("{}: voxels of {:.4g} mm are larger than the mesh, which is {:.4g} mm "
+                        "across; give smaller voxels, or check the unit of the mesh",
+                        name, voxelSize, longest));
     const double voxels = estimatedVoxels(area, voxelSize, depth);
     if (!(voxels < kMostVoxels) || !(longest / voxelSize < 1e6))
-        throw ResourceError(fmt::format(
-            "{}: a surface of {:.4g} mm², {:.4g} mm across, takes about {:.2g} voxels of {:.4g} "
-            "mm; give larger voxels, or check the unit of the mesh",
-            name, area, longest, voxels, voxelSize));
+        throw ResourceError(
+            fmt::format("{}: a surface of {:.4g} mm², {:.4g} mm across, takes about {:.2g} voxels "
+                        "of {:.4g} mm; give larger voxels, or check the unit of the mesh",
+                        name, area, longest, voxels, voxelSize));
 }
-
-namespace {
-
-/// Copies of a few triangles are a flaw, of all of them another mistake.
-void refuseCopies(const std::string& name, const MeshHealth& health) {
-    if (20 * health.duplicateTriangles > 9 * health.triangles)
-        throw InputError(fmt::format(
-            "{}: holds the same surface more than once: {} of its {} triangles are copies of "
-            "others. Remove the copy, or set `repair`",
-            name, health.duplicateTriangles, health.triangles));
-}
-
-}  // namespace
 
 void requireVolume(const std::string& name, const MeshHealth& health, double voxelSize) {
     const double half = health.enclosedVolume / health.area;  // of a plate's thickness
@@ -92,18 +88,17 @@ void requireVolume(const std::string& name, const MeshHealth& health, double vox
                         name, health.describeLeak(), health.enclosedVolume, health.area));
     if (health.isClosed() && !(half > kCancelled * length(health.bounds.size()))) {
         refuseCopies(name, health);
-        throw InputError(
-            fmt::format("{}: the surface is closed but encloses no volume ({:.3g} mm³ within "
-                        "{:.6g} mm²): it is folded flat, or two layers of it cancel; correct the "
-                        "mesh, or set `repair`",
-                        name, health.enclosedVolume, health.area));
+        throw InputError(fmt::format(
+            "{}: the surface is closed but encloses no volume ({:.3g} mm³ within {:.6g} mm²): it "
+            "is folded flat, or two layers of it cancel; correct the mesh, or set `repair`",
+            name, health.enclosedVolume, health.area));
     }
     if (!(half > 0) || !isThin || !isClean(health)) return;
-    throw InputError(fmt::format(
-        "{}: the mesh is about {:.2g} mm thick (twice its volume divided by its area), too thin "
-        "for a field of {:.4g} mm voxels; check the mesh and its unit, or set `voxelSize` to "
-        "{:.2g} mm",
-        name, 2 * half, voxelSize, half));
+    throw InputError(
+        fmt::format("{}: the mesh is about {:.2g} mm thick (twice its volume divided by its area), "
+                    "too thin for a field of {:.4g} mm voxels; check the mesh and its unit, or set "
+                    "`voxelSize` to {:.2g} mm",
+                    name, 2 * half, voxelSize, half));
 }
 
 bool isClean(const MeshHealth& health) {
@@ -143,12 +138,12 @@ void refuseMesh(const std::string& name, const MeshHealth& health, double fieldV
 
 void refuseVoxels(const std::string& name, const MeshHealth& health, double fieldVolume,
                   double voxelSize, double fineEnough) {
-    throw InputError(fmt::format(
-        "{}: voxels of {:.4g} mm are too coarse for the mesh, which is about {:.3g} mm thick: "
-        "their "
-        "field encloses {:.6g} mm³, the mesh {:.6g} mm³. Set `voxelSize` to {:.2g} mm or less",
-        name, voxelSize, 2 * health.enclosedVolume / health.area, fieldVolume,
-        health.enclosedVolume, fineEnough));
+    throw InputError(
+        fmt::format("{}: voxels of {:.4g} mm are too coarse for the mesh, which is about {:.3g} mm "
+                    "thick: their field encloses {:.6g} mm³, the mesh {:.6g} mm³. Set `voxelSize` "
+                    "to {:.2g} mm or less",
+                    name, voxelSize, 2 * health.enclosedVolume / health.area, fieldVolume,
+                    health.enclosedVolume, fineEnough));
 }
 
 }  // namespace vdbpack

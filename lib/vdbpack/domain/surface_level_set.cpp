@@ -76,10 +76,9 @@ std::vector<Block> coveringBlocks(const Box<3>& bounds, const Vec<3>& origin, do
         const double first = std::floor((bounds.lo[d] - band - origin[d]) / voxelSize / kBlock);
         const double last = std::floor((bounds.hi[d] + band - origin[d]) / voxelSize / kBlock);
         if (!(std::max(std::fabs(first), std::fabs(last)) < 1e5))
-            throw ResourceError(
-                fmt::format("voxels of {:.4g} mm are too many for a domain of {:.4g} mm; "
-                            "give larger ones",
-                            voxelSize, bounds.size()[d]));
+            throw ResourceError(fmt::format(
+                "voxels of {:.4g} mm are too many for a domain of {:.4g} mm; give larger ones",
+                voxelSize, bounds.size()[d]));
         lo[static_cast<std::size_t>(d)] = static_cast<int>(first);
         hi[static_cast<std::size_t>(d)] = static_cast<int>(last);
     }

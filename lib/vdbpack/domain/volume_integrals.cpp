@@ -116,15 +116,14 @@ double wallAreaByVolumes(const Domain<Dim>& domain, double step) {
            (2 * step);
 }
 
-template double volumeByChords(const ConvexShape<2>&, const std::vector<HalfSpace<2>>&, double,
-                               const Box<2>&);
-template double volumeByChords(const ConvexShape<3>&, const std::vector<HalfSpace<3>>&, double,
-                               const Box<3>&);
-template double volumeBySamples(const Box<2>&, double, double,
-                                const std::function<std::unique_ptr<DomainSampler<2>>()>&);
-template double volumeBySamples(const Box<3>&, double, double,
-                                const std::function<std::unique_ptr<DomainSampler<3>>()>&);
-template double wallAreaByVolumes(const Domain<2>&, double);
-template double wallAreaByVolumes(const Domain<3>&, double);
+#define VDBPACK_INSTANTIATE(Dim)                                                                  \
+    template double volumeByChords(const ConvexShape<Dim>&, const std::vector<HalfSpace<Dim>>&,   \
+                                   double, const Box<Dim>&);                                      \
+    template double volumeBySamples(const Box<Dim>&, double, double,                              \
+                                    const std::function<std::unique_ptr<DomainSampler<Dim>>()>&); \
+    template double wallAreaByVolumes(const Domain<Dim>&, double);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
 
 }  // namespace vdbpack

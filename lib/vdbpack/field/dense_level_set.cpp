@@ -8,7 +8,6 @@
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/SignedFloodFill.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace vdbpack {

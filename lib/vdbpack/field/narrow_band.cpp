@@ -10,7 +10,6 @@
 #include "vdbpack/field/vdb_init.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
 namespace vdbpack {

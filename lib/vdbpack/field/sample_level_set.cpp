@@ -72,6 +72,22 @@ void fill(const FloatGrid& grid, bool ownVoxels, VoxelImage& image) {
     });
 }
 
+/// Around the voxels that are inside, mm.
+Box<3> boundsInside(const FloatGrid& grid) {
+    const CoordBBox inside = insideBounds(grid);
+    if (inside.empty())
+        throw InputError("level set: nothing is inside, no value is negative; name another grid");
+    Box<3> box;
+    for (int corner = 0; corner < 8; ++corner) {
+        openvdb::Vec3d at;
+        for (int j = 0; j < 3; ++j)
+            at[j] = (corner >> j & 1) != 0 ? inside.max()[j] + 0.5 : inside.min()[j] - 0.5;
+        const openvdb::Vec3d world = grid.transform().indexToWorld(at);
+        box.add({{world[0], world[1], world[2]}});
+    }
+    return box;
+}
+
 }  // namespace
 
 VoxelImage sampleLevelSet(const VdbGrid& vdbGrid, const std::optional<Box<3>>& bounds,
@@ -95,23 +111,7 @@ VoxelImage sampleLevelSet(const VdbGrid& vdbGrid, const std::optional<Box<3>>& b
     const double own = transform.voxelSize()[0];
     const double h = ownVoxels ? own : voxelSize;
 
-    Box<3> box;
-    if (bounds) {
-        box = *bounds;
-    } else {
-        const CoordBBox inside = insideBounds(grid);
-        if (inside.empty())
-            throw InputError(
-                "level set: nothing is inside, no value is negative; name another grid");
-        for (int corner = 0; corner < 8; ++corner) {
-            openvdb::Vec3d at;
-            for (int j = 0; j < 3; ++j)
-                at[j] = (corner >> j & 1) != 0 ? inside.max()[j] + 0.5 : inside.min()[j] - 0.5;
-            const openvdb::Vec3d world = transform.indexToWorld(at);
-            box.add({{world[0], world[1], world[2]}});
-        }
-    }
-
+    const Box<3> box = bounds ? *bounds : boundsInside(grid);
     const double rim = std::ceil(std::max(margin / h - 1e-9, bounds ? 0.0 : 1.0));
     const openvdb::Vec3d zero = transform.indexToWorld(openvdb::Vec3d(0, 0, 0));
     std::array<double, 3> n{};

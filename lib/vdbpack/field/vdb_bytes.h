@@ -31,8 +31,7 @@ public:
 
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(
-            fmt::format("{}: byte {} of {}: {}; the file is damaged or cut short: "
-                        "write it again",
+            fmt::format("{}: byte {} of {}: {}; the file is damaged or cut short: write it again",
                         path(), at(), size(), what));
     }
     /// The next `count` bytes (a few KB at most), valid until the next call.

@@ -21,7 +21,6 @@
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 // The format has no specification but OpenVDB's own reader, which this follows: io/Archive,

@@ -124,10 +124,9 @@ VdbField::VdbField(const TriangleMesh& mesh, const MeshNesting& nesting, double 
                                       inside, callbacks);
         }
     } catch (const std::bad_alloc&) {
-        throw ResourceError(
-            fmt::format("not enough memory for a field of voxels of {:.4g} mm; give a larger "
-                        "`voxelSize`",
-                        voxelSize));
+        throw ResourceError(fmt::format(
+            "not enough memory for a field of voxels of {:.4g} mm; give a larger `voxelSize`",
+            voxelSize));
     }
 }
 

@@ -37,8 +37,7 @@ struct VoxelImage {
     }
 };
 
-/// The most voxels an image may have; 1290 along each side take 9 GB, with
-/// morphometry 54.
+/// The most voxels an image may have; 1290 along each side take 9 GB, with morphometry 54.
 inline constexpr std::uint64_t kLargestImage = std::uint64_t{1} << 31;
 
 /// An image whose distances are still to be set.

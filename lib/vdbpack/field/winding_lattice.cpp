@@ -54,8 +54,7 @@ std::unordered_map<EdgeKey, EdgeMasks> crossedByLeaf(const std::vector<EdgeKey>&
     return masks;
 }
 
-/// Leaves, by their keys, with an edge in them or next to them at which triangles
-/// do not cancel.
+/// Leaves, by their keys, with an edge in them or next to them at which triangles do not cancel.
 std::unordered_set<EdgeKey> leafsNearRims(const TriangleMesh& mesh) {
     std::unordered_set<EdgeKey> near;
     const EdgeTable edges(mesh);

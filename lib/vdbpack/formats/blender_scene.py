@@ -27,13 +27,6 @@ except ImportError:
              "apt-get install python3-numpy")
 
 PACK = {}  # filled in by the writer
-
-# Colors are linear RGBA.
-EVEN_RAMP = [  # dark blue to pale yellow through green, even in lightness
-    (0.019, 0.033, 0.159, 1.0), (0.014, 0.147, 0.319, 1.0), (0.022, 0.342, 0.296, 1.0),
-    (0.235, 0.571, 0.162, 1.0), (0.913, 0.768, 0.223, 1.0)]
-REGION_RAMP = [(0.068, 0.188, 0.392, 1.0), (0.871, 0.694, 0.352, 1.0)]  # cortical, trabecular
-SURFACE_COLOR = (0.768, 0.694, 0.565, 1.0)
 SPHERES = "vdb_pack spheres"
 
 
@@ -45,6 +38,11 @@ def fail(message):
     raise RuntimeError(message)
 
 
+def set_all(target, **values):
+    for name, value in values.items():
+        setattr(target, name, value)
+
+
 def numbers(example, low=-1e9, high=1e9, kind=float, mark=","):
     """A type of options: as many numbers as the example has, parted by the mark."""
     def parse(text):
@@ -52,10 +50,10 @@ def numbers(example, low=-1e9, high=1e9, kind=float, mark=","):
             values = [kind(word) for word in text.split(mark)]
         except ValueError:
             values = []
-        if len(values) != len(example.split(mark)) or not all(low <= v <= high for v in values):
-            raise argparse.ArgumentTypeError(f"'{text}': write it like {example}, with numbers "
-                                             f"from {low:g} to {high:g}")
-        return values if mark in example else values[0]
+        if len(values) == len(example.split(mark)) and all(low <= v <= high for v in values):
+            return values if mark in example else values[0]
+        raise argparse.ArgumentTypeError(f"'{text}': write it like {example}, with numbers from "
+                                         f"{low:g} to {high:g}")
     return parse
 
 
@@ -132,8 +130,7 @@ def make_points(place, columns, scale):
     mesh = bpy.data.meshes.new(SPHERES)
     mesh.vertices.add(len(place))
     mesh.vertices.foreach_set("co", (place * scale).astype(np.float32).ravel())
-    drawn = {"drawn_radius": columns["radius"] * scale}
-    for name, values in (*columns.items(), *drawn.items()):
+    for name, values in (*columns.items(), ("drawn_radius", columns["radius"] * scale)):
         whole = values.dtype.kind == "i"
         attribute = mesh.attributes.new(attribute_name(name), "INT" if whole else "FLOAT", "POINT")
         attribute.data.foreach_set("value", values.astype(np.int32 if whole else np.float32))
@@ -141,192 +138,49 @@ def make_points(place, columns, scale):
     return mesh
 
 
-class Nodes:
-    """Adds nodes to a tree, from left to right, and links them."""
-
-    def __init__(self, tree):
-        self.tree = tree
-        tree.nodes.clear()
-
-    def add(self, kind, *inputs, **settings):
-        """Inputs are sockets to link or values to set, by place; None leaves one as it is."""
-        node = self.tree.nodes.new(kind)
-        node.location = (200 * len(self.tree.nodes), 0)
-        for key, value in settings.items():
-            setattr(node, key, value)
-        for socket, value in zip(node.inputs, inputs):
-            if isinstance(value, bpy.types.NodeSocket):
-                self.tree.links.new(value, socket)
-            elif value is not None:
-                socket.default_value = value
-        return node
-
-    def attribute(self, name):
-        node = self.add("GeometryNodeInputNamedAttribute", name, data_type="FLOAT")
-        return next(s for s in node.outputs if s.enabled and s.name == "Attribute")
-
-    def math(self, operation, *values, **settings):
-        return self.add("ShaderNodeMath", *values, operation=operation, **settings).outputs[0]
+# blender_nodes.py
 
 
-def add_nodes(target, name, material, change=None):
-    """A modifier of nodes: the geometry, what `change` makes of it, the material."""
-    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
-    for way in ("INPUT", "OUTPUT"):
-        if hasattr(tree, "interface"):  # since 4.0
-            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
-        else:
-            getattr(tree, way.lower() + "s").new("NodeSocketGeometry", "Geometry")
-    nodes = Nodes(tree)
-    shape = nodes.add("NodeGroupInput").outputs[0]
-    if change:
-        shape = change(nodes, shape)
-    shape = nodes.add("GeometryNodeSetMaterial", shape, None, material).outputs[0]
-    nodes.add("NodeGroupOutput", shape)
-    target.modifiers.new(name, "NODES").node_group = tree
-    target.data.materials.append(material)
-
-
-def sphere_nodes(grow):
-    """Points that render as true spheres. `grow`: first and last order and frames, or None."""
-    def change(nodes, points):
-        radius = nodes.attribute("drawn_radius")
-        if grow:
-            first, last, frames = grow
-            # A sphere swells while the next hundredth is placed.
-            swell = max(1.0, (last - first) / 100)
-            rate = (last + swell - first) / max(1, frames - 1)
-            frame = nodes.add("GeometryNodeInputSceneTime").outputs["Frame"]
-            placed = nodes.math("MULTIPLY_ADD", frame, rate, first - rate)
-            age = nodes.math("SUBTRACT", placed, nodes.attribute("order"))
-            radius = nodes.math("MULTIPLY", radius, nodes.math("DIVIDE", age, swell, use_clamp=True))
-            unborn = nodes.add("FunctionNodeCompare", age, 0.0, operation="LESS_EQUAL",
-                               data_type="FLOAT").outputs[0]
-            points = nodes.add("GeometryNodeDeleteGeometry", points, unborn,
-                               domain="POINT").outputs[0]
-        return nodes.add("GeometryNodeMeshToPoints", points, None, None, radius).outputs[0]
-    return change
-
-
-def material_nodes(name):
-    material = bpy.data.materials.new(name)
-    material.use_nodes = True
-    return material, Nodes(material.node_tree)
-
-
-def principled(nodes, color, roughness):
-    shader = nodes.add("ShaderNodeBsdfPrincipled", color)
-    shader.inputs["Roughness"].default_value = roughness
-    return shader.outputs[0]
-
-
-def sphere_material():
-    material, nodes = material_nodes(SPHERES)
-    column = nodes.add("ShaderNodeAttribute", name="column", attribute_type="GEOMETRY")
-    share_of = nodes.add("ShaderNodeMapRange", column.outputs["Fac"], name="range")
-    ramp = nodes.add("ShaderNodeValToRGB", share_of.outputs[0], name="ramp")
-    nodes.add("ShaderNodeOutputMaterial", principled(nodes, ramp.outputs[0], 0.45))
-    return material
-
-
-def color_by(material, name, limits):
-    nodes = material.node_tree.nodes
-    nodes["column"].attribute_name = attribute_name(name)
-    low, high = limits
-    nodes["range"].inputs["From Min"].default_value = low
-    nodes["range"].inputs["From Max"].default_value = high if high > low else low + 1
-    elements = nodes["ramp"].color_ramp.elements
-    colors = REGION_RAMP if name == "region" else EVEN_RAMP
-    while len(elements) > 1:
-        elements.remove(elements[0])
-    elements[0].position, elements[0].color = 0.0, colors[0]
-    for i, color in enumerate(colors[1:], 1):
-        elements.new(i / (len(colors) - 1)).color = color
-
-
-def column_limits(columns):
-    """Least and greatest value of each column to color by."""
-    limits = {name: (float(np.nanmin(values)), float(np.nanmax(values)))
-              for name, values in columns.items() if name != "id" and np.isfinite(values).any()}
-    if "region" in limits:
-        limits["region"] = (0.0, 1.0)
-    return limits
-
-
-def surface_material(opacity, cuts):
-    """Translucent, and clear beyond the cut planes (in Blender units)."""
-    material, nodes = material_nodes("vdb_pack surface")
-    if cuts:
-        position = nodes.add("ShaderNodeNewGeometry").outputs["Position"]
-        place = nodes.add("ShaderNodeSeparateXYZ", position).outputs
-        for axis, at, sign in cuts:
-            inside = nodes.math("LESS_THAN" if sign > 0 else "GREATER_THAN", place[axis], at)
-            opacity = nodes.math("MULTIPLY", inside, opacity)
-    clear = nodes.add("ShaderNodeBsdfTransparent").outputs[0]
-    solid = principled(nodes, SURFACE_COLOR, 0.6)
-    nodes.add("ShaderNodeOutputMaterial",
-              nodes.add("ShaderNodeMixShader", opacity, clear, solid).outputs[0])
-    return material
-
-
-def hide(target, is_hidden=True):
-    target.hide_render = is_hidden
-    target.hide_set(is_hidden)
-
-
-def add_object(collection, name, data):
+def add_object(collection, name, data, is_hidden=False, axes=np.eye(3), position=(0, 0, 0)):
     added = bpy.data.objects.new(name, data)
     collection.objects.link(added)
+    added.hide_render = is_hidden
+    added.hide_set(is_hidden)
+    added.matrix_world = Matrix.Translation(position) @ Matrix(axes.T.tolist()).to_4x4()
     return added
 
 
-def read_volume():
-    """The .vdb as a volume, and its level sets."""
+def add_surfaces(collection, center, scale, shown, material):
+    """The .vdb as a volume where the spheres are, and each of its level sets as a mesh."""
     volume = bpy.data.volumes.new("vdb_pack volume")
     volume.filepath = beside(PACK["volume"]) if PACK["volume"] else ""
     if PACK["volume"] and not volume.grids.load():
         print(f"{volume.filepath}: cannot be read: {volume.grids.error_message}; showing the spheres "
               "alone")
-    return volume, {grid.name: grid for grid in volume.grids if grid.data_type == "FLOAT"}
-
-
-def add_surfaces(collection, center, scale, shown, material):
-    """The volume where the spheres are, and each of its level sets as a mesh."""
-    volume, grids = read_volume()
+    grids = {grid.name: grid for grid in volume.grids if grid.data_type == "FLOAT"}
     if shown and shown not in grids:
         fail(f"--surface {shown}: there is no such level set; "
              f"use {', '.join(grids) or 'none: there are no level sets'}")
-    holder = add_object(collection, "vdb_pack volume", volume)
-    holder.scale = (scale,) * 3
-    holder.location = -scale * center
-    hide(holder)  # a level set is no fog
+    holder = add_object(collection, "vdb_pack volume", volume, True)  # a level set is no fog
+    set_all(holder, scale=(scale,) * 3, location=-scale * center)
     for name, grid in grids.items():
-        skin = add_object(collection, f"vdb_pack {name}", bpy.data.meshes.new(name))
-        mesher = skin.modifiers.new("Volume to Mesh", "VOLUME_TO_MESH")
-        mesher.object, mesher.grid_name, mesher.threshold = holder, name, 0.0
-        mesher.resolution_mode = "GRID"
-        mesher.use_smooth_shade = True
+        skin = add_object(collection, f"vdb_pack {name}", bpy.data.meshes.new(name), name != shown)
+        set_all(skin.modifiers.new("Volume to Mesh", "VOLUME_TO_MESH"), object=holder,
+                grid_name=name, threshold=0.0, resolution_mode="GRID", use_smooth_shade=True)
         # Blender lays voxels' corners where the file has their centers: half a voxel too far.
         skin.location = [-0.5 * scale * edge for edge in grid.matrix_object.to_scale()]
         add_nodes(skin, f"vdb_pack {name}", material)
-        hide(skin, name != shown)
 
 
 def basis(ahead, up):
     """Right, up and backward of a camera that looks from `ahead` at the origin."""
     back = np.array(ahead) / np.linalg.norm(ahead)
-    right = np.cross(up, back)
-    for other in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
-        if np.linalg.norm(right) < 1e-6 * np.linalg.norm(up):  # looking along `up`
-            right = np.cross(other, back)
+    for above in (up, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
+        right = np.cross(above, back)
+        if np.linalg.norm(right) > 1e-6 * np.linalg.norm(above):  # else it looks along `above`
+            break
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(back, right), back])
-
-
-def pose(target, axes, position=(0, 0, 0)):
-    matrix = Matrix(axes.T.tolist()).to_4x4()
-    matrix.translation = position
-    target.matrix_world = matrix
 
 
 def make_camera(scene, collection, place, radius, view, up):
@@ -350,57 +204,40 @@ def make_camera(scene, collection, place, radius, view, up):
     distance = 1.04 * float(reach.max())
     camera.clip_start = max(0.5 * (distance - deep), 1e-3 * distance)
     camera.clip_end = 4 * (distance + deep)
-    scene.camera = add_object(collection, "vdb_pack camera", camera)
-    pose(scene.camera, axes, (middle + (0, 0, distance)) @ axes)
+    scene.camera = add_object(collection, "vdb_pack camera", camera, False, axes,
+                              (middle + (0, 0, distance)) @ axes)
     return axes, camera
 
 
 def make_light(scene, collection, axes, background):
     sun = bpy.data.lights.new("vdb_pack sun", "SUN")
-    sun.energy = 3.0
-    sun.angle = math.radians(12)  # soft shadows
+    set_all(sun, energy=3.0, angle=math.radians(12))  # soft shadows
     # Over the left shoulder of who looks.
-    pose(add_object(collection, "vdb_pack sun", sun), basis((-0.6, 0.8, 1.0) @ axes, axes[1]))
+    add_object(collection, "vdb_pack sun", sun, False, basis((-0.6, 0.8, 1.0) @ axes, axes[1]))
     # The soft fill comes from everywhere; the camera sees a plain color instead.
     scene.world = bpy.data.worlds.new("vdb_pack fill")
-    scene.world.use_nodes = True
-    nodes = Nodes(scene.world.node_tree)
-    fill = nodes.add("ShaderNodeBackground", (0.9, 0.95, 1.0, 1.0), 0.45).outputs[0]
+    nodes = shader_nodes(scene.world)
+    fill = nodes.add("ShaderNodeBackground", (0.9, 0.95, 1.0, 1.0), 0.45)
     plain = 0.0 if background == "black" else 1.0
-    seen = nodes.add("ShaderNodeBackground", (plain, plain, plain, 1.0), 1.0).outputs[0]
-    ray = nodes.add("ShaderNodeLightPath").outputs["Is Camera Ray"]
-    nodes.add("ShaderNodeOutputWorld", nodes.add("ShaderNodeMixShader", ray, fill, seen).outputs[0])
+    seen = nodes.add("ShaderNodeBackground", (plain, plain, plain, 1.0), 1.0)
+    ray = nodes.add("ShaderNodeLightPath").node.outputs["Is Camera Ray"]
+    nodes.add("ShaderNodeOutputWorld", nodes.add("ShaderNodeMixShader", ray, fill, seen))
 
 
 def make_scene(arguments):
     scene = bpy.data.scenes.new(os.path.splitext(PACK["name"])[0])
     for window in bpy.context.window_manager.windows:
         window.scene = scene
-    scene.render.engine = "CYCLES"
-    scene.cycles.samples = arguments.samples
-    scene.cycles.preview_samples = 16
-    scene.cycles.max_bounces = 4
-    scene.cycles.transparent_max_bounces = 64
     # A build without a denoiser (Debian's) stops a render that asks for one.
-    denoises = getattr(sys.modules.get("_cycles"), "with_openimagedenoise", False)
-    scene.cycles.use_denoising = scene.cycles.use_preview_denoising = bool(denoises)
-    scene.render.resolution_x, scene.render.resolution_y = arguments.size
-    scene.render.film_transparent = arguments.background == "transparent"
+    denoises = bool(getattr(sys.modules.get("_cycles"), "with_openimagedenoise", False))
+    set_all(scene.render, engine="CYCLES", resolution_x=arguments.size[0],
+            resolution_y=arguments.size[1], film_transparent=arguments.background == "transparent")
+    set_all(scene.cycles, samples=arguments.samples, preview_samples=16, max_bounces=4,
+            transparent_max_bounces=64, use_denoising=denoises, use_preview_denoising=denoises)
     scene.view_settings.view_transform = "Standard"  # colors as they are named
-    if arguments.grow:
-        scene.frame_start, scene.frame_end = 1, arguments.grow
-        scene.frame_current = arguments.grow  # all of it, until played
+    if arguments.grow:  # all of it, until played
+        set_all(scene, frame_start=1, frame_end=arguments.grow, frame_current=arguments.grow)
     return scene
-
-
-def show_in_windows(camera):
-    """Every 3D view looks through the camera, with clipping that suits the object."""
-    for window in bpy.context.window_manager.windows:
-        for space in (s for area in window.screen.areas for s in area.spaces if s.type == "VIEW_3D"):
-            space.clip_start, space.clip_end = camera.clip_start / 20, camera.clip_end * 5
-            # Solid shows the spheres in gray, Material Preview not at all (3.4).
-            space.shading.type = "RENDERED"
-            space.region_3d.view_perspective = "CAMERA"
 
 
 def limits_text(name, limits):
@@ -408,33 +245,39 @@ def limits_text(name, limits):
     return f"{limits[0]:.4g} to {limits[1]:.4g}{unit}"
 
 
-def add_sidebar(scene, material, limits, color):
-    """A tab with the columns to color by."""
+def show_in_windows(scene, camera, material, limits, color):
+    """Every 3D view looks through the camera; its sidebar has a tab with the columns to color by."""
+    for window in bpy.context.window_manager.windows:
+        for space in (s for area in window.screen.areas for s in area.spaces if s.type == "VIEW_3D"):
+            space.clip_start, space.clip_end = camera.clip_start / 20, camera.clip_end * 5
+            # Solid shows the spheres in gray, Material Preview not at all (3.4).
+            space.shading.type = "RENDERED"
+            space.region_3d.view_perspective = "CAMERA"
+
     def changed(owner, _context):
         color_by(material, owner.vdb_pack_color, limits[owner.vdb_pack_color])
 
-    class VDBPACK_PT_pack(bpy.types.Panel):
-        bl_label = "Spheres"
-        bl_category = "vdb_pack"
-        bl_space_type = "VIEW_3D"
-        bl_region_type = "UI"
-
-        def draw(self, context):
-            name = context.scene.vdb_pack_color
-            self.layout.prop(context.scene, "vdb_pack_color", text="Color")
-            self.layout.label(text=limits_text(name, limits[name]))
-            self.layout.label(text=f"{PACK['count']} spheres, lengths in {PACK['unit']}")
+    def draw(panel, context):
+        name = context.scene.vdb_pack_color
+        panel.layout.prop(context.scene, "vdb_pack_color", text="Color")
+        panel.layout.label(text=limits_text(name, limits[name]))
+        panel.layout.label(text=f"{PACK['count']} spheres, lengths in {PACK['unit']}")
 
     bpy.types.Scene.vdb_pack_color = bpy.props.EnumProperty(
         name="Color", items=[(name, name, limits_text(name, limits[name])) for name in limits],
         update=changed)
-    bpy.utils.register_class(VDBPACK_PT_pack)
+    bpy.utils.register_class(type("VDBPACK_PT_pack", (bpy.types.Panel,), {
+        "bl_label": "Spheres", "bl_category": "vdb_pack", "bl_space_type": "VIEW_3D",
+        "bl_region_type": "UI", "draw": draw}))
     scene.vdb_pack_color = color
 
 
 def chosen_colors(arguments, columns):
-    """Limits of all columns, and of the colors."""
-    limits = column_limits(columns)
+    """Least and greatest value of each column to color by, and those of the colors."""
+    limits = {name: (float(np.nanmin(values)), float(np.nanmax(values)))
+              for name, values in columns.items() if name != "id" and np.isfinite(values).any()}
+    if "region" in limits:
+        limits["region"] = (0.0, 1.0)
     if arguments.color not in limits:
         fail(f"there is no column '{arguments.color}' to color by; use {', '.join(limits)}")
     if arguments.grow and "order" not in limits:
@@ -443,17 +286,6 @@ def chosen_colors(arguments, columns):
     if low > high:
         fail(f"--range {low:g},{high:g}: the lesser number comes first")
     return limits, (low, high)
-
-
-def write_files(scene, arguments):
-    if arguments.save:
-        bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.save))
-    if arguments.render:
-        scene.render.filepath = os.path.abspath(arguments.render)
-        if not os.path.isdir(os.path.dirname(scene.render.filepath)):
-            fail(f"--render {arguments.render}: there is no such folder; create it first")
-        animated = bool(arguments.grow) and "#" in os.path.basename(arguments.render)
-        bpy.ops.render.render(animation=animated, write_still=not animated, scene=scene.name)
 
 
 def main():
@@ -479,10 +311,10 @@ def main():
     scene.collection.children.link(collection)
     material = sphere_material()
     color_by(material, arguments.color, colors)
-    spheres = add_object(collection, SPHERES, make_points(place, columns, scale))
-    grow = (*limits["order"], arguments.grow) if arguments.grow else None
-    add_nodes(spheres, SPHERES, material, sphere_nodes(grow))
-    hide(spheres, arguments.no_spheres)
+    spheres = add_object(collection, SPHERES, make_points(place, columns, scale),
+                         arguments.no_spheres)
+    growth = (*limits["order"], arguments.grow) if arguments.grow else None
+    add_nodes(spheres, SPHERES, material, lambda *points: true_spheres(*points, growth))
     for name, value in (("unit_of_length", PACK["unit"]), ("blender_units_in_one_unit", scale),
                         ("center", center.tolist()), ("generator", PACK["generator"])):
         spheres[name] = value
@@ -495,9 +327,15 @@ def main():
     print(f"{PACK['name']}: {len(place)} of {PACK['count']} spheres, colored by {arguments.color} "
           f"from {limits_text(arguments.color, colors)}; {scale:g} Blender units a {PACK['unit']}")
     if not bpy.app.background:
-        show_in_windows(camera)
-        add_sidebar(scene, material, limits, arguments.color)
-    write_files(scene, arguments)
+        show_in_windows(scene, camera, material, limits, arguments.color)
+    if arguments.save:
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.save))
+    if arguments.render:
+        scene.render.filepath = os.path.abspath(arguments.render)
+        if not os.path.isdir(os.path.dirname(scene.render.filepath)):
+            fail(f"--render {arguments.render}: there is no such folder; create it first")
+        animated = bool(arguments.grow) and "#" in os.path.basename(arguments.render)
+        bpy.ops.render.render(animation=animated, write_still=not animated, scene=scene.name)
 
 
 main()

@@ -123,10 +123,10 @@ void addSamples(const std::vector<std::string>& samples, const DomainRecipe& dom
                              ": lies elsewhere than all spheres; check `space`, and the unit of "
                              "the domain or pack");
         if (outside > 0)
-            callbacks.warn(fmt::format(
-                "{}: {} of {} {} lie outside of this image, and have the value nan. Check `space` "
-                "and that it is of the same scan",
-                sample.file, outside, means.size(), Measure<Dim>::kSpheres));
+            callbacks.warn(
+                fmt::format("{}: {} of {} {} lie outside of this image, and have the value nan. "
+                            "Check `space` and that it is of the same scan",
+                            sample.file, outside, means.size(), Measure<Dim>::kSpheres));
         setColumn(pack, sample.name.c_str(), std::move(means));
     }
 }
@@ -172,9 +172,8 @@ Densities densitiesOf(const GreyRecipe& recipe, const PartProperties& parts,
     }
     if (unknown > 0)
         callbacks.warn(
-            fmt::format("{} of {} spheres have no grey value; their density is {:g} "
-                        "kg/m³",
-                        unknown, densities.all.size(), kDefaultDensity));
+            fmt::format("{} of {} spheres have no grey value; their density is {:g} kg/m³", unknown,
+                        densities.all.size(), kDefaultDensity));
     if (low > 0)
         callbacks.warn(fmt::format(
             "`calibration` {} gives {} of {} spheres less than {:g} kg/m³, which they have now. "
@@ -246,8 +245,7 @@ std::vector<std::string> checkGrey(const GreyRecipe& recipe, const std::string& 
                             columns->empty() ? "none" : ""));
         if (!density.empty())
             throw ParameterError(
-                "`density` and `calibration`: spheres have one density; leave "
-                "one of them out");
+                "`density` and `calibration`: spheres have one density; leave one of them out");
     }
     if (!recipe.modulus.empty()) {
         parsedModulus(recipe.modulus);

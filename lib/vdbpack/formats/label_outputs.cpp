@@ -49,6 +49,46 @@ ImageGrid chosenGrid(const std::string& output, const std::vector<const DomainSo
     return gridAround(box, spacing);
 }
 
+constexpr std::int64_t kMostLabel = std::numeric_limits<std::int32_t>::max();
+
+/// The label of each sphere: what it is, counted from 1.
+std::vector<std::int32_t> sphereLabels(const std::string& output, const std::string& what,
+                                       const Pack<3>& pack) {
+    const Materials materials(pack);
+    if (what == "parts" && !materials.hasParts())
+        throw ParameterError(output + ": the pack has no several parts; leave it out");
+    if (what == "regions" && pack.region.empty())
+        throw ParameterError(output + ": the pack has no regions; set `shell`, or leave it out");
+    std::vector<std::int32_t> labels;
+    labels.reserve(pack.spheres.size());
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        const std::int64_t number = what == "regions"     ? pack.region[i]
+                                    : what == "parts"     ? materials.partOf(i)
+                                    : what == "materials" ? materials.of(i)
+                                    : pack.id.empty()     ? static_cast<std::int64_t>(i)
+                                                          : pack.id[i];
+        if (number < 0 || number >= kMostLabel)
+            throw ParameterError(fmt::format("{}: {} is no label; ids from 0 to {} are", output,
+                                             number, kMostLabel - 1));
+        labels.push_back(static_cast<std::int32_t>(number + 1));
+    }
+    return labels;
+}
+
+LabelMap solidLabels(const std::vector<SolidTest>& solids, const ImageGrid& grid) {
+    return labelMapOf(
+        [&]() -> std::function<std::int32_t(const Vec<3>&)> {
+            std::vector<std::function<bool(const Vec<3>&)>> inside;
+            for (const SolidTest& solid : solids) inside.push_back(solid());
+            return [inside](const Vec<3>& x) {
+                for (std::size_t part = inside.size(); part > 0; --part)
+                    if (inside[part - 1](x)) return static_cast<std::int32_t>(part);
+                return 0;
+            };
+        },
+        grid);
+}
+
 }  // namespace
 
 SolidTest solidTest(const std::shared_ptr<const Domain<3>>& domain) {
@@ -94,58 +134,13 @@ void warnOfUnusedSpacing(const std::vector<OutputTarget>& outputs, const DomainS
                    ", and no label map is written. `scale` makes a domain larger or smaller");
 }
 
-namespace {
-
-constexpr std::int64_t kMostLabel = std::numeric_limits<std::int32_t>::max();
-
-/// The label of each sphere: what it is, counted from 1.
-std::vector<std::int32_t> sphereLabels(const std::string& output, const std::string& what,
-                                       const Pack<3>& pack) {
-    const Materials materials(pack);
-    if (what == "parts" && !materials.hasParts())
-        throw ParameterError(output + ": the pack has no several parts; leave it out");
-    if (what == "regions" && pack.region.empty())
-        throw ParameterError(output + ": the pack has no regions; set `shell`, or leave it out");
-    std::vector<std::int32_t> labels;
-    labels.reserve(pack.spheres.size());
-    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
-        const std::int64_t number = what == "regions"     ? pack.region[i]
-                                    : what == "parts"     ? materials.partOf(i)
-                                    : what == "materials" ? materials.of(i)
-                                    : pack.id.empty()     ? static_cast<std::int64_t>(i)
-                                                          : pack.id[i];
-        if (number < 0 || number >= kMostLabel)
-            throw ParameterError(fmt::format("{}: {} is no label; ids from 0 to {} are", output,
-                                             number, kMostLabel - 1));
-        labels.push_back(static_cast<std::int32_t>(number + 1));
-    }
-    return labels;
-}
-
-LabelMap solidLabels(const std::vector<SolidTest>& solids, const ImageGrid& grid) {
-    return labelMapOf(
-        [&]() -> std::function<std::int32_t(const Vec<3>&)> {
-            std::vector<std::function<bool(const Vec<3>&)>> inside;
-            for (const SolidTest& solid : solids) inside.push_back(solid());
-            return [inside](const Vec<3>& x) {
-                for (std::size_t part = inside.size(); part > 0; --part)
-                    if (inside[part - 1](x)) return static_cast<std::int32_t>(part);
-                return 0;
-            };
-        },
-        grid);
-}
-
-}  // namespace
-
 void writeLabels(const OutputTarget& target, const Pack<3>* pack, const LabelSource& source,
                  const std::string& generator) {
     const std::string &output = target.text, &what = target.labels;
     if (!source.grid) throw ParameterError(output + ": this run has no domain of space to label");
     if (what != "solid" && !pack)
-        throw ParameterError(output +
-                             ": this run has no spheres; name it labels-solid:FILE to write the "
-                             "solid");
+        throw ParameterError(
+            output + ": this run has no spheres; name it labels-solid:FILE to write the solid");
     LabelMap map = what == "solid"
                        ? solidLabels(source.solids, *source.grid)
                        : labelMapOf(pack->spheres, sphereLabels(output, what, *pack), *source.grid);

@@ -63,6 +63,11 @@ bool fill(const std::vector<std::uint64_t>& shape, std::size_t bytes, std::uint6
     return elements * bytes == room;
 }
 
+void require(bool sound, const std::string& where, const char* part) {
+    if (!sound)
+        throw InputError(where + part + " does not fit into the file; it is damaged or cut short");
+}
+
 }  // namespace
 
 bool NpyArray::takeType(const std::string& descr) {
@@ -77,15 +82,6 @@ bool NpyArray::takeType(const std::string& descr) {
     if (type) type_ = *type;
     return type.has_value();
 }
-
-namespace {
-
-void require(bool sound, const std::string& where, const char* part) {
-    if (!sound)
-        throw InputError(where + part + " does not fit into the file; it is damaged or cut short");
-}
-
-}  // namespace
 
 std::uint64_t NpyArray::headerBytes(const std::string& preamble, const std::string& where) {
     if (preamble.compare(0, 6, kNpyMagic) != 0)

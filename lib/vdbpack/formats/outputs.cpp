@@ -19,11 +19,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <utility>
 
 namespace vdbpack {
 
@@ -85,6 +82,71 @@ bool isSame(const std::string& a, const std::string& b) {
         return failed ? target : folder / target.filename();
     };
     return place(a) == place(b);
+}
+
+/// A pack, in formats that hold it with what voids leave, or else with the wall of a mesh.
+template <int Dim>
+void writePackAndSurface(const std::string& output, const RunOutputs<Dim>& have) {
+    PackWriteOptions options = have.options;
+    TriangleMesh contour;
+    if (Dim == 3 && holdsSurface(output)) {
+        options.surface = have.wall;
+        options.surfaceName = kSurface;
+        for (const auto& set : options.levelSets) {
+            if (!set || levelSetName(*set) != kSolid) continue;
+            constexpr double kAdaptivity = 0.05;  // a third of the triangles, which look the same
+            contour = levelSetMesh(*set, output, kAdaptivity);
+            options.surface = &contour;
+            options.surfaceName = kSolid;
+        }
+    }
+    writePack(*have.pack, output, options);
+}
+
+template <int Dim>
+void writeContour(const OutputTarget& target, const RunOutputs<Dim>& have) {
+    const auto levelSets = levelSetsOf(have);
+    const VdbGrid& levelSet = chosenLevelSet(target.text, target.grid, levelSets);
+    const bool wall = have.wall != nullptr && levelSetName(levelSet) == kSurface;
+    writeStl(wall ? *have.wall : levelSetMesh(levelSet, target.text), target.file,
+             have.options.unit, have.options.generator);
+}
+
+/// Ids of a .ply have 32 bits; where one does not fit, the file has none.
+template <int Dim>
+void warnOfIds(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
+    if (target.kind != OutputKind::pack || target.extension() != ".ply") return;
+    const auto wide = std::find_if(pack.id.begin(), pack.id.end(), [](std::int64_t id) {
+        return id < std::numeric_limits<std::int32_t>::min() ||
+               id > std::numeric_limits<std::int32_t>::max();
+    });
+    if (wide != pack.id.end())
+        callbacks.warn(fmt::format(
+            "{}: ids are left out, as {} does not fit into the 32 bits that .ply has for one; "
+            ".csv, .vtp and .vdb keep them",
+            target.file, *wide));
+}
+
+/// Arrays of a .vtkhdf are numbers.
+template <int Dim>
+void warnOfTexts(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
+    const std::string extension = target.extension();
+    if (target.kind != OutputKind::pack || (extension != ".vtkhdf" && extension != ".hdf")) return;
+    for (const Column& column : pack.columns)
+        if (!column.texts.empty())
+            callbacks.warn(fmt::format(
+                "{}: the texts of column {} are left out, as .vtkhdf holds numbers alone; .csv, "
+                ".vtp and .vdb keep them",
+                target.file, quotedExcerpt(column.name)));
+}
+
+/// YADE repeats along all axes or none.
+template <int Dim>
+void warnOfCell(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
+    if (target.text.rfind("yade:", 0) == 0 && pack.cell.any() && !pack.cell.all())
+        callbacks.warn(target.text +
+                       ": names no cell, since YADE repeats along all axes or none; spheres reach "
+                       "across the faces that repeat. LAMMPS (.data) repeats along some");
 }
 
 }  // namespace
@@ -206,29 +268,6 @@ void checkOutputKinds(const std::vector<OutputTarget>& outputs, RunKind run,
     }
 }
 
-namespace {
-
-/// A pack, in formats that hold it with what voids leave, or else with the wall of a mesh.
-template <int Dim>
-void writePackAndSurface(const std::string& output, const RunOutputs<Dim>& have) {
-    PackWriteOptions options = have.options;
-    TriangleMesh contour;
-    if (Dim == 3 && holdsSurface(output)) {
-        options.surface = have.wall;
-        options.surfaceName = kSurface;
-        for (const auto& set : options.levelSets) {
-            if (!set || levelSetName(*set) != kSolid) continue;
-            constexpr double kAdaptivity = 0.05;  // a third of the triangles, which look the same
-            contour = levelSetMesh(*set, output, kAdaptivity);
-            options.surface = &contour;
-            options.surfaceName = kSolid;
-        }
-    }
-    writePack(*have.pack, output, options);
-}
-
-}  // namespace
-
 template <int Dim>
 std::vector<std::string> writeOutput(const OutputTarget& target, const RunOutputs<Dim>& have) {
     const std::string& output = target.text;
@@ -257,14 +296,9 @@ std::vector<std::string> writeOutput(const OutputTarget& target, const RunOutput
             if constexpr (Dim == 3)
                 writeLabels(target, have.pack, have.labels, have.options.generator);
             break;
-        case OutputKind::contour: {
-            const auto levelSets = levelSetsOf(have);
-            const VdbGrid& levelSet = chosenLevelSet(output, target.grid, levelSets);
-            const bool wall = have.wall != nullptr && levelSetName(levelSet) == kSurface;
-            writeStl(wall ? *have.wall : levelSetMesh(levelSet, output), target.file,
-                     have.options.unit, have.options.generator);
+        case OutputKind::contour:
+            writeContour(target, have);
             break;
-        }
         case OutputKind::fog:
             writeFog(chosenLevelSet(output, target.grid, levelSetsOf(have)), target.file,
                      have.options);
@@ -293,47 +327,6 @@ std::vector<std::string> writeOutput(const OutputTarget& target, const RunOutput
     }
     return {target.file};
 }
-
-namespace {
-
-/// Ids of a .ply have 32 bits; where one does not fit, the file has none.
-template <int Dim>
-void warnOfIds(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    if (target.kind != OutputKind::pack || target.extension() != ".ply") return;
-    const auto wide = std::find_if(pack.id.begin(), pack.id.end(), [](std::int64_t id) {
-        return id < std::numeric_limits<std::int32_t>::min() ||
-               id > std::numeric_limits<std::int32_t>::max();
-    });
-    if (wide != pack.id.end())
-        callbacks.warn(fmt::format(
-            "{}: ids are left out, as {} does not fit into the 32 bits that .ply has for one; "
-            ".csv, .vtp and .vdb keep them",
-            target.file, *wide));
-}
-
-/// Arrays of a .vtkhdf are numbers.
-template <int Dim>
-void warnOfTexts(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    const std::string extension = target.extension();
-    if (target.kind != OutputKind::pack || (extension != ".vtkhdf" && extension != ".hdf")) return;
-    for (const Column& column : pack.columns)
-        if (!column.texts.empty())
-            callbacks.warn(fmt::format(
-                "{}: the texts of column {} are left out, as .vtkhdf holds numbers alone; .csv, "
-                ".vtp and .vdb keep them",
-                target.file, quotedExcerpt(column.name)));
-}
-
-/// YADE repeats along all axes or none.
-template <int Dim>
-void warnOfCell(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    if (target.text.rfind("yade:", 0) == 0 && pack.cell.any() && !pack.cell.all())
-        callbacks.warn(target.text +
-                       ": names no cell, since YADE repeats along all axes or none; spheres reach "
-                       "across the faces that repeat. LAMMPS (.data) repeats along some");
-}
-
-}  // namespace
 
 template <int Dim>
 std::vector<std::string> writeOutputs(const std::vector<OutputTarget>& outputs,

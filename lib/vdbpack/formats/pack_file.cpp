@@ -12,10 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <optional>
 #include <string_view>
-#include <vector>
 
 namespace vdbpack {
 
@@ -44,10 +41,10 @@ void checkPack(const Pack<Dim>& pack) {
         bool sound = s.radius > 1e-30 && s.radius < 1e30;
         for (int d = 0; d < Dim; ++d) sound = sound && std::abs(s.center[d]) < 1e30;
         if (!sound)
-            throw ParameterError(fmt::format(
-                "{} {} has radius {} mm and x = {} mm; a positive radius and finite lengths below "
-                "1e30 mm are needed",
-                Measure<Dim>::kSphere, i, s.radius, s.center[0]));
+            throw ParameterError(
+                fmt::format("{} {} has radius {} mm and x = {} mm; a positive radius and finite "
+                            "lengths below 1e30 mm are needed",
+                            Measure<Dim>::kSphere, i, s.radius, s.center[0]));
     }
     if (!(std::abs(pack.sliceHeight) < 1e30))
         throw ParameterError("the height of the slice is not finite; give it in mm");
@@ -66,10 +63,9 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
     const PackTarget t = targetToWrite(file, Dim);
     checkPack(pack);
     if (!(options.pointVoxel >= 0) || !std::isfinite(options.pointVoxel))
-        throw ParameterError(
-            fmt::format("voxel edge of the point grid is {} mm; give a positive "
-                        "length, or 0 to derive it",
-                        options.pointVoxel));
+        throw ParameterError(fmt::format(
+            "voxel edge of the point grid is {} mm; give a positive length, or 0 to derive it",
+            options.pointVoxel));
     const auto checkDensity = [](double density) {
         if (!(density >= 0) || !std::isfinite(density))
             throw ParameterError(
@@ -119,10 +115,10 @@ Pack<2> asCircles(const Pack<3>& pack) {
         // different.
         const double tolerance = 1e-6 * std::max(s.radius, std::abs(circles.sliceHeight));
         if (std::abs(s.center[2] - circles.sliceHeight) > tolerance)
-            throw InputError(fmt::format(
-                "sphere {} lies at z = {} mm, sphere 0 at {} mm: these are not circles of one "
-                "slice; treat the pack as spheres",
-                i, s.center[2], circles.sliceHeight));
+            throw InputError(
+                fmt::format("sphere {} lies at z = {} mm, sphere 0 at {} mm: these are not circles "
+                            "of one slice; treat the pack as spheres",
+                            i, s.center[2], circles.sliceHeight));
         circles.spheres.push_back({{{s.center[0], s.center[1]}}, s.radius});
     }
     static_cast<PackAttributes&>(circles) = pack;

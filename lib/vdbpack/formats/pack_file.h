@@ -59,16 +59,15 @@ struct PackWriteOptions {
 ///
 /// .csv, .vtp, .npz and .xyz keep every double and every column (texts in .xyz as one word each).
 /// .pvtp names its one piece, NAME_0000.vtp. .vtkhdf, an unstructured grid of vertices, keeps every
-/// double and every column of numbers; columns of texts are left out.
-/// .usda and .usdz, which holds one, have every column, under names with letters, digits and '_'
-/// (the original names are recorded); programs round their positions and diameters to floats,
-/// about an origin near the spheres. They are not read back.
-/// .vdb keeps positions to 2^-26 of a voxel (in mm the positions of a packer exactly) and radii as
-/// float; points are stored by position, and `readPack` returns them sorted by id. .ply (double
-/// positions, radius, id) and YADE (positions, radius, material) hold no further attributes. .svg
-/// is a picture: y up, so cy = -y, numbers to six digits of its extent, colors by region. Empty
-/// attributes are left out. The unit is recorded in every format but .csv, which has no metadata.
-/// 2D: z = `sliceHeight`.
+/// double and every column of numbers; columns of texts are left out. .usda and .usdz, which holds
+/// one, have every column, under names with letters, digits and '_' (the original names are
+/// recorded); programs round their positions and diameters to floats, about an origin near the
+/// spheres. They are not read back. .vdb keeps positions to 2^-26 of a voxel (in mm the positions
+/// of a packer exactly) and radii as float; points are stored by position, and `readPack` returns
+/// them sorted by id. .ply (double positions, radius, id) and YADE (positions, radius, material)
+/// hold no further attributes. .svg is a picture: y up, so cy = -y, numbers to six digits of its
+/// extent, colors by region. Empty attributes are left out. The unit is recorded in every format
+/// but .csv, which has no metadata. 2D: z = `sliceHeight`.
 ///
 /// .data is for LAMMPS's atom style sphere and LIGGGHTS's granular: `id type diameter density x y
 /// z` in a box around whole spheres. type is 1 + the material (`Materials`), or the pack's column

@@ -17,7 +17,6 @@
 #include <array>
 #include <filesystem>
 #include <limits>
-#include <utility>
 
 namespace vdbpack {
 

@@ -14,8 +14,8 @@ namespace {
 constexpr const char* kWritten =
     "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .usda, .usdz, .data or lammps:FILE, "
     "lammps-bonds:FILE, yade:FILE, points:FILE.vdb, .svg for circles, .stl, levelsets: or "
-    "fog:FILE.vdb for surfaces, "
-    "blender:FILE.py, contacts:, materials: or list:FILE.csv, labels:FILE.nii.gz";
+    "fog:FILE.vdb for surfaces, blender:FILE.py, contacts:, materials: or list:FILE.csv, "
+    "labels:FILE.nii.gz";
 constexpr const char* kRead =
     "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .data or lammps:FILE, .dump, "
     ".lammpstrj or dump:FILE, yade:FILE";
@@ -100,12 +100,11 @@ PackTarget targetToWrite(const std::string& file, int dim) {
 PackTarget targetToRead(const std::string& file) {
     PackTarget t = target(file, kRead);
     if (t.read == nullptr)
-        throw ParameterError(
-            file +
-            ": this format is written but not read; write the pack as .vtp or .csv beside it, or "
-            "export the spheres as one of these from the program that made the file. To read a "
-            "pack, " +
-            kRead);
+        throw ParameterError(file +
+                             ": this format is written but not read; write the pack as .vtp or "
+                             ".csv beside it, or export the spheres as one of these from the "
+                             "program that made the file. To read a pack, " +
+                             kRead);
     return t;
 }
 

@@ -4,7 +4,6 @@
 #include "vdbpack/formats/text_table.h"
 #include "vdbpack/io/delimited_text.h"
 
-#include <cstdint>
 #include <string>
 
 namespace vdbpack {

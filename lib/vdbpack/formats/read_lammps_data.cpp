@@ -52,10 +52,9 @@ public:
         const auto atoms = counts_.find("atoms");
         if (atoms == counts_.end()) failHeader();
         if (atoms->second == 0) return {};
-        file_.fail(
-            fmt::format("ends without a section Atoms for the {} atoms of its header; the file is "
-                        "cut short",
-                        atoms->second));
+        file_.fail(fmt::format(
+            "ends without a section Atoms for the {} atoms of its header; the file is cut short",
+            atoms->second));
     }
 
 private:

@@ -1,5 +1,4 @@
-// Text dumps of LAMMPS and LIGGGHTS (dump custom). Source: LAMMPS manual, dump and
-// Howto_triclinic.
+// Text dumps of LAMMPS and LIGGGHTS (dump custom). Source: LAMMPS manual, dump and Howto_triclinic.
 #include "vdbpack/core/vec.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"

@@ -113,10 +113,9 @@ private:
             fail(fmt::format("array '{}' has shape ({}); (N, 3) is needed", positions->name(),
                              fmt::join(positions->shape(), ", ")));
         if (!isColumn(*sizes, 1))
-            fail(
-                fmt::format("array '{}' has shape ({}) beside {} positions; one number each is "
-                            "needed",
-                            sizes->name(), fmt::join(sizes->shape(), ", "), rows_));
+            fail(fmt::format(
+                "array '{}' has shape ({}) beside {} positions; one number each is needed",
+                sizes->name(), fmt::join(sizes->shape(), ", "), rows_));
         if (positions)
             for (std::uint64_t d = 0; d < 3; ++d)
                 columns_.push_back({std::string(1, "xyz"[d]), positions, d});
@@ -137,8 +136,8 @@ private:
         for (std::size_t i = 0; i < std::min<std::size_t>(arrays_.size(), 20); ++i)
             found += (i > 0 ? ", " : "") + quotedExcerpt(arrays_[i].name());
         fail(
-            fmt::format("arrays positions (N, 3), or x, y and z, and radii (N) are needed, "
-                        "found: {}; save them by these names",
+            fmt::format("arrays positions (N, 3), or x, y and z, and radii (N) are needed, found: "
+                        "{}; save them by these names",
                         found.empty() ? "none" : found));
     }
 

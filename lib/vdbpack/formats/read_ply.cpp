@@ -39,8 +39,7 @@ public:
         while (isText_ && words_.empty()) {
             if (!file_.nextLine(line))
                 file_.fail(
-                    fmt::format("ends after {} of {} entries of element {}; the file is cut "
-                                "short",
+                    fmt::format("ends after {} of {} entries of element {}; the file is cut short",
                                 entry, element.count, quotedExcerpt(element.name)));
             splitAtBlanks(line, words_);
         }
@@ -74,10 +73,9 @@ public:
         const std::size_t bytes = bytesOf(property.type);
         const std::uint64_t rest = isText_ ? words_.size() - word_ : file_.remaining() / bytes;
         if (length < 0 || static_cast<std::uint64_t>(length) > rest)
-            file_.fail(
-                fmt::format("{}: property {} is longer than what follows; the file is "
-                            "damaged or cut short",
-                            where(), quotedExcerpt(property.name)));
+            file_.fail(fmt::format(
+                "{}: property {} is longer than what follows; the file is damaged or cut short",
+                where(), quotedExcerpt(property.name)));
         if (isText_)
             word_ += static_cast<std::size_t>(length);
         else
@@ -88,10 +86,11 @@ public:
         if (!isText_ && !element.hasLists()) {
             const std::size_t stride = element.bytes();
             if (element.count > file_.remaining() / stride)
-                file_.failAtByte(file_.offset(),
-                                 fmt::format("{} entries of element {} pass the end of the file; "
-                                             "it is cut short",
-                                             element.count, quotedExcerpt(element.name)));
+                file_.failAtByte(
+                    file_.offset(),
+                    fmt::format(
+                        "{} entries of element {} pass the end of the file; it is cut short",
+                        element.count, quotedExcerpt(element.name)));
             skipBytes(element.count * stride);
             return;
         }
@@ -106,10 +105,9 @@ private:
         const std::uint64_t at = file_.offset();
         const char* const data = file_.take(bytes);
         if (data == nullptr)
-            file_.failAtByte(at,
-                             fmt::format("{} bytes were expected, but the file ends at byte {}; it "
-                                         "is cut short or damaged",
-                                         bytes, file_.size()));
+            file_.failAtByte(at, fmt::format("{} bytes were expected, but the file ends at byte "
+                                             "{}; it is cut short or damaged",
+                                             bytes, file_.size()));
         return data;
     }
     void skipBytes(std::uint64_t bytes) { file_.seek(file_.offset() + bytes, file_.lineNumber()); }

@@ -63,10 +63,9 @@ std::vector<std::string> columnsOf(std::string_view properties, const InputFile&
         if (name.empty() || words[w + 1].size() != 1 ||
             std::string_view("SRIL").find(words[w + 1]) == std::string_view::npos ||
             !parseNumber(words[w + 2], count) || count < 1 || count > 1000)
-            file.failAtLine(
-                fmt::format("'{:.40}:{:.40}:{:.40}' describes no column; write name:S, R, I or "
-                            "L:count",
-                            name, words[w + 1], words[w + 2]));
+            file.failAtLine(fmt::format(
+                "'{:.40}:{:.40}:{:.40}' describes no column; write name:S, R, I or L:count", name,
+                words[w + 1], words[w + 2]));
         if (names.size() + static_cast<std::uint64_t>(count) > most)
             file.failAtLine(fmt::format(
                 "announces more than {} columns, too many for what follows; correct it", most));

@@ -1,7 +1,6 @@
 // Data files for LAMMPS (read_data) and LIGGGHTS. Source: LAMMPS manual, read_data.
 // Loading was tested with LAMMPS 29 Sep 2021 and LIGGGHTS 3.8.
 #include "vdbpack/core/box.h"
-#include "vdbpack/core/error.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_formats.h"
@@ -17,7 +16,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -194,19 +192,6 @@ PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, con
     return rows;
 }
 
-}  // namespace
-
-AllAtoms allAtoms(const PackView& pack) {
-    return {pack.size(), AtomTypes(pack).count(), pack.bounds()};
-}
-
-PackTextRows lammpsRows(const PackView& pack, const PackWriteOptions& options, const AllAtoms& all,
-                        const std::vector<std::uint64_t>& rows) {
-    return atomRows(pack, options, all, std::make_shared<Atoms>(pack, options, &rows), nullptr);
-}
-
-namespace {
-
 /// @param bonds  null: atoms alone.
 void writeAtoms(const PackView& pack, const PackWriteOptions& options,
                 const std::vector<Contact>* bonds, OutputFile& out) {
@@ -228,6 +213,15 @@ void writeAtoms(const PackView& pack, const PackWriteOptions& options,
 }
 
 }  // namespace
+
+AllAtoms allAtoms(const PackView& pack) {
+    return {pack.size(), AtomTypes(pack).count(), pack.bounds()};
+}
+
+PackTextRows lammpsRows(const PackView& pack, const PackWriteOptions& options, const AllAtoms& all,
+                        const std::vector<std::uint64_t>& rows) {
+    return atomRows(pack, options, all, std::make_shared<Atoms>(pack, options, &rows), nullptr);
+}
 
 void writeLammps(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
     writeAtoms(pack, options, nullptr, out);

@@ -221,8 +221,7 @@ public:
         addLeaves();
         parallelFor(std::size_t{0}, runs_.size(), [this](std::size_t r) { fill(runs_[r]); });
         grid_->setName("points");
-        // A pure scale by a power of two: index and offset give back the position without
-        // rounding.
+        // A pure scale by a power of two: index and offset give back the position without rounding.
         grid_->setTransform(openvdb::math::Transform::createLinearTransform(voxel_));
         return grid_;
     }

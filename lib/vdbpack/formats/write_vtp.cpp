@@ -100,10 +100,9 @@ void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile&
     const std::size_t n = pack.size();
     Writer xml(out);
     xml.line("<?xml version=\"1.0\"?>");
-    xml.line(
-        fmt::format("<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"{}\" "
-                    "header_type=\"UInt64\">",
-                    hostIsBigEndian() ? "BigEndian" : "LittleEndian"));
+    xml.line(fmt::format(
+        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"{}\" header_type=\"UInt64\">",
+        hostIsBigEndian() ? "BigEndian" : "LittleEndian"));
     xml.line("  <PolyData>");
     xml.line("    <FieldData>");
     const auto note = [&xml](const char* name, const std::string& text) {
@@ -117,8 +116,8 @@ void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile&
     if (!options.generator.empty()) note(kGeneratorKey, oneLine(options.generator));
     xml.line("    </FieldData>");
     xml.line(
-        fmt::format("    <Piece NumberOfPoints=\"{0}\" NumberOfVerts=\"{0}\" "
-                    "NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">",
+        fmt::format("    <Piece NumberOfPoints=\"{0}\" NumberOfVerts=\"{0}\" NumberOfLines=\"0\" "
+                    "NumberOfStrips=\"0\" NumberOfPolys=\"0\">",
                     n));
 
     xml.line("      <PointData Scalars=\"radius\">");

@@ -1,6 +1,5 @@
 #include "vdbpack/formats/zip_archive.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>

@@ -6,7 +6,6 @@
 #include "vdbpack/image/ball_voxels.h"
 #include "vdbpack/image/image_values.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>

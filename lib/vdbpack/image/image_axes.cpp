@@ -37,10 +37,9 @@ std::array<Vec<3>, 3> perpendicular(std::array<Vec<3>, 3> a) {
 NumberType voxelType(const std::string& name, const std::string& path) {
     const auto type = numberTypeNamed(name);
     if (!type || (!isReal(*type) && bytesOf(*type) > 4))
-        throw InputError(
-            fmt::format("{}: its voxels are of type {}; convert it to integers of at most 32 bits "
-                        "or to floats",
-                        path, quotedExcerpt(name)));
+        throw InputError(fmt::format(
+            "{}: its voxels are of type {}; convert it to integers of at most 32 bits or to floats",
+            path, quotedExcerpt(name)));
     return *type;
 }
 
@@ -77,23 +76,20 @@ void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callba
     if (!isFinite(grid.origin))
         throw InputError(path + ": the position of its first voxel is not a number");
     if (std::fabs(dot(unit[0], cross(unit[1], unit[2]))) < 1e-3)
-        throw InputError(path +
-                         ": its axes lie in one plane; write the image again, with axes "
-                         "that span space");
+        throw InputError(
+            path + ": its axes lie in one plane; write the image again, with axes that span space");
     const double skew =
         std::max({std::fabs(dot(unit[0], unit[1])), std::fabs(dot(unit[1], unit[2])),
                   std::fabs(dot(unit[2], unit[0]))});
     if (skew > kRounding)
-        callbacks.warn(fmt::format(
-            "{}: its axes are sheared by {:.2g} degrees, and are taken as they are; programs that "
-            "cannot do so show the image otherwise",
-            path, std::asin(std::min(1.0, skew)) * 180 / 3.14159265358979323846));
+        callbacks.warn(
+            fmt::format("{}: its axes are sheared by {:.2g} degrees, and are taken as they are; "
+                        "programs that cannot do so show the image otherwise",
+                        path, std::asin(std::min(1.0, skew)) * 180 / 3.14159265358979323846));
     if (skew > kRounding || skew == 0) return;
     if (skew > kWorthAWord)
-        callbacks.warn(
-            fmt::format("{}: its axes are perpendicular only up to {:.1e}, and were "
-                        "made so",
-                        path, skew));
+        callbacks.warn(fmt::format(
+            "{}: its axes are perpendicular only up to {:.1e}, and were made so", path, skew));
     unit = perpendicular(unit);
     for (std::size_t k = 0; k < 3; ++k) grid.step[k] = unit[k] * spacing.c[k];
 }
@@ -111,8 +107,8 @@ Image allocatedImage(const std::string& path, const ImageGrid& grid, std::size_t
     }
     if (count > kMostCompression * static_cast<double>(fileBytes))
         throw InputError(
-            fmt::format("{}: says that it has {} x {} x {} voxels, which a file of {} "
-                        "bytes cannot hold; it is damaged or incomplete",
+            fmt::format("{}: says that it has {} x {} x {} voxels, which a file of {} bytes cannot "
+                        "hold; it is damaged or incomplete",
                         path, size[0], size[1], size[2], fileBytes));
     Image image;
     image.grid = grid;
@@ -121,10 +117,9 @@ Image allocatedImage(const std::string& path, const ImageGrid& grid, std::size_t
     // Not set to 0: pages that a truncated file does not fill are never used.
     image.bytes = voxelMemory(static_cast<std::size_t>(count));
     if (!image.bytes)
-        throw ResourceError(
-            fmt::format("{}: its {} x {} x {} voxels take {:.3g} GB of memory, "
-                        "which are not available",
-                        path, size[0], size[1], size[2], count / 1e9));
+        throw ResourceError(fmt::format(
+            "{}: its {} x {} x {} voxels take {:.3g} GB of memory, which are not available", path,
+            size[0], size[1], size[2], count / 1e9));
     return image;
 }
 

@@ -10,7 +10,6 @@
 #include <atomic>
 #include <cmath>
 #include <map>
-#include <type_traits>
 
 namespace vdbpack {
 
@@ -96,48 +95,6 @@ void addRow(const Image& image, const T* numbers, std::size_t layer, std::size_t
     }
 }
 
-}  // namespace
-
-std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
-    const auto& size = image.grid.size;
-    PerThread<std::vector<Tally>> tallies([&] { return std::vector<Tally>(image.layers); });
-    image.visit([&](const auto* numbers) {
-        parallelFor(IndexRange(0, size[1] * size[2], 64), [&](const IndexRange& rows) {
-            auto& mine = tallies.local();
-            for (std::size_t layer = 0; layer < image.layers; ++layer)
-                for (std::size_t row = rows.begin(); row < rows.end() && mine[layer].whole; ++row)
-                    addRow(image, numbers, layer, row, mine[layer]);
-        });
-    });
-    std::vector<LabelCount> labels;
-    for (std::size_t layer = 0; layer < image.layers; ++layer) {
-        std::map<std::int64_t, LabelCount> all;
-        std::size_t stretches = 0, voxels = 0;
-        for (const auto& mine : tallies) {
-            if (!mine[layer].whole) return std::nullopt;
-            stretches += mine[layer].stretches;
-            for (const auto& [value, count] : mine[layer].counts) {
-                voxels += count.voxels;
-                LabelCount& label = all[value];
-                label.value = value;
-                label.layer = layer;
-                label.voxels += count.voxels;
-                label.voxelBox.add(count.voxelBox.lo);
-                label.voxelBox.add(count.voxelBox.hi);
-            }
-        }
-        if (all.size() > kMostLabels) return std::nullopt;
-        if (all.size() > kFewLabels && voxels < 2 * stretches) return std::nullopt;
-        for (const auto& [value, label] : all) labels.push_back(label);
-    }
-    for (LabelCount& label : labels)
-        for (const LabelName& known : image.names)
-            if (known.value == label.value && known.layer == label.layer) label.name = known.name;
-    return labels;
-}
-
-namespace {
-
 /// A value in a layer.
 std::string textOf(const LabelCount& label) {
     return fmt::format("{}@{}", label.value, label.layer);
@@ -179,6 +136,44 @@ const LabelCount& labelOf(const std::string& text, const std::vector<LabelCount>
 }
 
 }  // namespace
+
+std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
+    const auto& size = image.grid.size;
+    PerThread<std::vector<Tally>> tallies([&] { return std::vector<Tally>(image.layers); });
+    image.visit([&](const auto* numbers) {
+        parallelFor(IndexRange(0, size[1] * size[2], 64), [&](const IndexRange& rows) {
+            auto& mine = tallies.local();
+            for (std::size_t layer = 0; layer < image.layers; ++layer)
+                for (std::size_t row = rows.begin(); row < rows.end() && mine[layer].whole; ++row)
+                    addRow(image, numbers, layer, row, mine[layer]);
+        });
+    });
+    std::vector<LabelCount> labels;
+    for (std::size_t layer = 0; layer < image.layers; ++layer) {
+        std::map<std::int64_t, LabelCount> all;
+        std::size_t stretches = 0, voxels = 0;
+        for (const auto& mine : tallies) {
+            if (!mine[layer].whole) return std::nullopt;
+            stretches += mine[layer].stretches;
+            for (const auto& [value, count] : mine[layer].counts) {
+                voxels += count.voxels;
+                LabelCount& label = all[value];
+                label.value = value;
+                label.layer = layer;
+                label.voxels += count.voxels;
+                label.voxelBox.add(count.voxelBox.lo);
+                label.voxelBox.add(count.voxelBox.hi);
+            }
+        }
+        if (all.size() > kMostLabels) return std::nullopt;
+        if (all.size() > kFewLabels && voxels < 2 * stretches) return std::nullopt;
+        for (const auto& [value, label] : all) labels.push_back(label);
+    }
+    for (LabelCount& label : labels)
+        for (const LabelName& known : image.names)
+            if (known.value == label.value && known.layer == label.layer) label.name = known.name;
+    return labels;
+}
 
 std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<LabelCount>& labels,
                                    const std::string& path) {

@@ -23,8 +23,7 @@ struct LabelCount {
 
 /// The labels of an image, but for 0, by layer and value; nothing if it is no label map: if its
 /// values are not whole numbers, if there are more than 1,000 different ones, or more than 20 and
-/// neighbors seldom have the same.
-/// Cost: about 1 ns a voxel on two threads.
+/// neighbors seldom have the same. Cost: about 1 ns a voxel on two threads.
 std::optional<std::vector<LabelCount>> labelsOf(const Image& image);
 
 /// Labels that are one solid together.

@@ -19,7 +19,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <utility>
 #include <vector>
 
 #if ITK_VERSION_MAJOR > 5 || ITK_VERSION_MINOR >= 4  // the prefix of ITK's own libtiff
@@ -129,48 +128,6 @@ void readVoxels(itk::ImageIOBase& io, const std::string& path, std::byte* to) {
     });
 }
 
-}  // namespace
-
-Image readByItk(const std::string& path, const ImageReadOptions& options) {
-    const std::string extension = extensionOf(path);
-    const bool nrrd = extension == ".nrrd" || extension == ".nhdr";
-    const bool tiff = isTiff(path);
-    TextHeader header;
-    if (nrrd) {
-        header = readTextHeader(path);
-        checkNrrdHeader(header, path);
-    } else if (!tiff && !checkDicom(path).image) {
-        throw InputError(path + ": is no DICOM image");
-    }
-    const Io io = opened(path);
-    ImageGrid grid = gridOf(*io, path);
-    const bool spaced =
-        nrrd ? header.has("space directions") || header.has("spacings") : !tiff && grid.size[2] > 1;
-    if (grid.size[2] <= 1 && !nrrd)
-        throw InputError(path + ": is a single slice; give the folder of all slices");
-    applySpacing(grid, options, spaced, path);
-    if (nrrd && !header.has("space") && !header.has("space dimension"))
-        options.callbacks.warn(path +
-                               ": does not say in which space its axes lie: which side is "
-                               "left is unknown");
-    checkAxes(grid, path, options.callbacks);
-    Image image = allocatedImage(path, grid, io->GetNumberOfComponents(), typeOf(*io, path),
-                                 nrrd ? bytesOfData(header, path) : sizeOf(path));
-    if (!nrrd && image.layers > 1)
-        throw InputError(
-            fmt::format("{}: has {} values at each voxel, such as colors; convert it "
-                        "to one",
-                        path, image.layers));
-    options.callbacks.stopIfCancelled();
-    readVoxels(*io, path, image.bytes.get());
-    image.names = labelNames(header);
-    image.isSpaced = spaced;
-    image.format = nrrd ? "NRRD" : tiff ? "TIFF" : "DICOM";
-    return image;
-}
-
-namespace {
-
 /// One file of a series.
 struct Slice {
     std::string file;
@@ -190,9 +147,9 @@ Image joined(const std::vector<Slice>& slices, const ImageGrid& grid, const std:
         bytes += sizeOf(slice.file);
         alike = alike && typeOf(*slice.io, slice.file) == type;
         if (slice.io->GetNumberOfComponents() != 1)
-            throw InputError(slice.file +
-                             ": has several values at each pixel, such as colors; "
-                             "convert it to one");
+            throw InputError(
+                slice.file +
+                ": has several values at each pixel, such as colors; convert it to one");
     }
     if (!alike) type = NumberType::f32;
     Image image = allocatedImage(path, grid, 1, type, bytes);
@@ -218,8 +175,7 @@ Image joined(const std::vector<Slice>& slices, const ImageGrid& grid, const std:
 void requireAlike(const Slice& slice, const Slice& first) {
     if (slice.grid.size[0] != first.grid.size[0] || slice.grid.size[1] != first.grid.size[1])
         throw InputError(
-            fmt::format("{}: has {} x {} pixels, {} has {} x {}; give slices of one "
-                        "series",
+            fmt::format("{}: has {} x {} pixels, {} has {} x {}; give slices of one series",
                         slice.file, slice.grid.size[0], slice.grid.size[1], first.file,
                         first.grid.size[0], first.grid.size[1]));
 }
@@ -262,6 +218,42 @@ std::vector<std::string> slicesIn(const std::string& folder, const ImageReadOpti
 
 }  // namespace
 
+Image readByItk(const std::string& path, const ImageReadOptions& options) {
+    const std::string extension = extensionOf(path);
+    const bool nrrd = extension == ".nrrd" || extension == ".nhdr";
+    const bool tiff = isTiff(path);
+    TextHeader header;
+    if (nrrd) {
+        header = readTextHeader(path);
+        checkNrrdHeader(header, path);
+    } else if (!tiff && !checkDicom(path).image) {
+        throw InputError(path + ": is no DICOM image");
+    }
+    const Io io = opened(path);
+    ImageGrid grid = gridOf(*io, path);
+    const bool spaced =
+        nrrd ? header.has("space directions") || header.has("spacings") : !tiff && grid.size[2] > 1;
+    if (grid.size[2] <= 1 && !nrrd)
+        throw InputError(path + ": is a single slice; give the folder of all slices");
+    applySpacing(grid, options, spaced, path);
+    if (nrrd && !header.has("space") && !header.has("space dimension"))
+        options.callbacks.warn(
+            path + ": does not say in which space its axes lie: which side is left is unknown");
+    checkAxes(grid, path, options.callbacks);
+    Image image = allocatedImage(path, grid, io->GetNumberOfComponents(), typeOf(*io, path),
+                                 nrrd ? bytesOfData(header, path) : sizeOf(path));
+    if (!nrrd && image.layers > 1)
+        throw InputError(
+            fmt::format("{}: has {} values at each voxel, such as colors; convert it to one", path,
+                        image.layers));
+    options.callbacks.stopIfCancelled();
+    readVoxels(*io, path, image.bytes.get());
+    image.names = labelNames(header);
+    image.isSpaced = spaced;
+    image.format = nrrd ? "NRRD" : tiff ? "TIFF" : "DICOM";
+    return image;
+}
+
 Image readDicomFolder(const std::string& folder, const ImageReadOptions& options) {
     const std::vector<std::string> files = slicesIn(folder, options);
     if (files.size() == 1) return readByItk(files.front(), options);
@@ -273,10 +265,9 @@ Image readDicomFolder(const std::string& folder, const ImageReadOptions& options
         for (std::size_t axis = 0; axis < 2; ++axis)
             if (length(slice.grid.step[axis] - any.grid.step[axis]) >
                 1e-3 * length(any.grid.step[axis]))
-                throw InputError(
-                    fmt::format("{}: its pixels do not lie along those of {}; give "
-                                "slices of one series",
-                                slice.file, any.file));
+                throw InputError(fmt::format(
+                    "{}: its pixels do not lie along those of {}; give slices of one series",
+                    slice.file, any.file));
         slice.along = dot(slice.grid.origin, across);
     }
     std::sort(slices.begin(), slices.end(),
@@ -291,8 +282,7 @@ Image readDicomFolder(const std::string& folder, const ImageReadOptions& options
         const double gap = slices[k].along - slices[k - 1].along;
         if (!(gap > 1e-6))
             throw InputError(
-                fmt::format("{} and {}: lie at the same position; give the slices of "
-                            "one volume",
+                fmt::format("{} and {}: lie at the same position; give the slices of one volume",
                             slices[k - 1].file, slices[k].file));
         if (std::fabs(gap - mean) > 0.05 * mean)
             throw InputError(fmt::format(

@@ -88,8 +88,7 @@ ImageGrid gridOf(const TextHeader& header, const std::string& path) {
     for (const double size : sizes)
         if (!(size >= 1) || size > 65534 || size != std::floor(size))
             throw InputError(
-                fmt::format("{}: DimSize = {}: from 1 to 65,534 voxels along each axis "
-                            "can be read",
+                fmt::format("{}: DimSize = {}: from 1 to 65,534 voxels along each axis can be read",
                             path, quotedExcerpt(header.value("dimsize"))));
     if (n > 3 && sizes[3] > 1)
         throw InputError(fmt::format(
@@ -115,8 +114,8 @@ std::string dataFile(const TextHeader& header, const std::string& path) {
     if (name.empty()) throw InputError(path + ": has no ElementDataFile; it is damaged");
     if (startsWith(name, "LIST") || name.find('%') != std::string::npos)
         throw InputError(
-            fmt::format("{}: ElementDataFile = {}: lists and patterns of files are not "
-                        "read; write the image as one file",
+            fmt::format("{}: ElementDataFile = {}: lists and patterns of files are not read; write "
+                        "the image as one file",
                         path, quotedExcerpt(name)));
     requireFileName(name);
     return (std::filesystem::path(path).parent_path() / name).string();
@@ -148,8 +147,7 @@ Image readMetaImage(const std::string& path, const ImageReadOptions& options) {
     checkAxes(grid, path, options.callbacks);
     if (wholeOf(header, "elementnumberofchannels", 1, 65535, 1, path) != 1)
         throw InputError(path +
-                         ": has several values at each voxel, such as colors; convert it "
-                         "to one");
+                         ": has several values at each voxel, such as colors; convert it to one");
     if (header.has("binarydata") && !isTrue(header, "binarydata"))
         throw InputError(path + ": its voxels are text; write it with BinaryData = True");
     const InputFile file(dataFile(header, path));

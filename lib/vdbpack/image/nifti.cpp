@@ -87,17 +87,16 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
         other.size = size;
         const double off = nifti->qform_code > 0 ? apart(grid, other) : 0;
         if (off > 0.1)
-            callbacks.warn(
-                fmt::format("{}: its sform and its qform place it {:.3g} voxels apart; "
-                            "the sform is used",
-                            path, off));
+            callbacks.warn(fmt::format(
+                "{}: its sform and its qform place it {:.3g} voxels apart; the sform is used", path,
+                off));
     } else {
         grid = gridOf(nifti->qto_xyz, unit);
         grid.size = size;
         if (nifti->qform_code <= 0)
-            callbacks.warn(path +
-                           ": has neither sform nor qform: where it lies and which side is "
-                           "left is unknown");
+            callbacks.warn(
+                path +
+                ": has neither sform nor qform: where it lies and which side is left is unknown");
     }
     checkAxes(grid, path, callbacks);
     const NumberType type = voxelType(lowered(nifti_datatype_string(nifti->datatype)), path);

@@ -4,7 +4,6 @@
 #include "vdbpack/core/parallel.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 

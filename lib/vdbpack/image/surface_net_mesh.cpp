@@ -126,8 +126,7 @@ TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
             faces.push_back(static_cast<std::uint32_t>(f));
     if (faces.size() >= kNoVertex / 4)
         throw ResourceError(
-            "the surface of a label has more than 1,000,000,000 faces; give a "
-            "coarser image");
+            "the surface of a label has more than 1,000,000,000 faces; give a coarser image");
     std::vector<Side> sides = sidesOf(net, faces, inside);
     DisjointSets corners = joinedCorners(net, faces, sides);
     sides = {};

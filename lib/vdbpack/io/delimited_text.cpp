@@ -130,10 +130,9 @@ void DelimitedText::readHeader(const std::string& columns, const std::string& al
     double number = 0;
     if (std::all_of(names_.begin(), names_.end(),
                     [&](const std::string& name) { return parseNumber(name, number); }))
-        throw InputError(
-            fmt::format("{}: line {}: holds numbers where the columns must be named; put a line {} "
-                        "above it{}",
-                        file_.path(), headerLine_, columns, alternative));
+        throw InputError(fmt::format(
+            "{}: line {}: holds numbers where the columns must be named; put a line {} above it{}",
+            file_.path(), headerLine_, columns, alternative));
 }
 
 bool DelimitedText::nextRow(Cells& cells) {

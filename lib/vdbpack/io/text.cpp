@@ -113,6 +113,31 @@ std::string oneLine(std::string text) {
     return text;
 }
 
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent, std::size_t at) {
+    std::string out;
+    bool first = true;
+    std::size_t breaks = 0;
+    for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+        end = std::min(text.find_first_of(" \n", begin), text.size());
+        const std::string_view word = text.substr(begin, end - begin);
+        const auto columns =
+            static_cast<std::size_t>(std::count_if(word.begin(), word.end(), [](char c) {
+                return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+            }));
+        if (columns > 0) {
+            if (!first && breaks == 0 && at + 1 + columns > width) breaks = 1;
+            const bool joins = !first && breaks == 0;
+            if (breaks > 0) at = indent;
+            for (; breaks > 0; --breaks) out += '\n' + std::string(indent, ' ');
+            (out += joins ? " " : "") += word;
+            at += columns + joins;
+            first = false;
+        }
+        breaks += end < text.size() && text[end] == '\n';
+    }
+    return out;
+}
+
 void appendUtf8(std::string& text, std::uint32_t character) {
     const auto put = [&text](std::uint32_t byte) { text += static_cast<char>(byte); };
     const auto putRest = [&](int shift) { put(0x80 | (character >> shift & 0x3f)); };

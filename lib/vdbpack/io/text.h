@@ -71,6 +71,11 @@ void requireFileName(const std::string& path);
 /// `text` as one line of a comment: control characters become blanks.
 std::string oneLine(std::string text);
 
+/// Words of `text` in lines of at most `width` columns, the first continuing a line of `at`
+/// columns, the others indented by `indent`. Words that are longer stand alone; line breaks in
+/// `text` stay.
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent, std::size_t at);
+
 /// Appends a character of Unicode as UTF-8.
 void appendUtf8(std::string& text, std::uint32_t character);
 

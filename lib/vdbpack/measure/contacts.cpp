@@ -65,6 +65,35 @@ SpheresWithImages<Dim> withPartners(const std::vector<Sphere<Dim>>& spheres, dou
     return withImages(spheres, cell, (1 + tolerance) * largest * (1 + 1e-9));
 }
 
+/// @param source  of each sphere as in `SpheresWithImages`; null: there are no images.
+template <int Dim>
+std::optional<double> leastGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing,
+                               const std::vector<std::uint32_t>* source) {
+    if (spheres.size() < 2 || spheres.size() <= standing) return std::nullopt;
+    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    double smallest = kInfinity;
+    for (const auto& s : spheres) smallest = std::min(smallest, s.radius);
+    // Pairs are sought up to a gap in proportion to their radii: wide enough once no pair of the
+    // smallest spheres could be closer than what was found.
+    for (double slack = 0.01;;) {
+        PerThread<double> found([] { return kInfinity; });
+        const CellLevels<Dim> cells(spheres, slack);
+        cells.forEachPair(
+            [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
+                double d2) {
+                if (source) i = (*source)[i], j = (*source)[j];
+                if (i < standing && j < standing) return;
+                double& mine = found.local();
+                mine = std::min(mine, std::sqrt(d2) - a.radius - b.radius);
+            },
+            [] { return false; });
+        double gap = kInfinity;
+        for (const double each : found) gap = std::min(gap, each);
+        if (gap <= slack * smallest) return gap;
+        slack = gap < kInfinity ? gap / smallest * (1 + 1e-9) : 8 * slack;
+    }
+}
+
 }  // namespace
 
 void requireContactTolerance(double tolerance) {
@@ -265,39 +294,6 @@ std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& given, double 
     return contacts;
 }
 
-namespace {
-
-/// @param source  of each sphere as in `SpheresWithImages`; null: there are no images.
-template <int Dim>
-std::optional<double> leastGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing,
-                               const std::vector<std::uint32_t>* source) {
-    if (spheres.size() < 2 || spheres.size() <= standing) return std::nullopt;
-    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    double smallest = kInfinity;
-    for (const auto& s : spheres) smallest = std::min(smallest, s.radius);
-    // Pairs are sought up to a gap in proportion to their radii: wide enough once no pair of the
-    // smallest spheres could be closer than what was found.
-    for (double slack = 0.01;;) {
-        PerThread<double> found([] { return kInfinity; });
-        const CellLevels<Dim> cells(spheres, slack);
-        cells.forEachPair(
-            [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
-                double d2) {
-                if (source) i = (*source)[i], j = (*source)[j];
-                if (i < standing && j < standing) return;
-                double& mine = found.local();
-                mine = std::min(mine, std::sqrt(d2) - a.radius - b.radius);
-            },
-            [] { return false; });
-        double gap = kInfinity;
-        for (const double each : found) gap = std::min(gap, each);
-        if (gap <= slack * smallest) return gap;
-        slack = gap < kInfinity ? gap / smallest * (1 + 1e-9) : 8 * slack;
-    }
-}
-
-}  // namespace
-
 template <int Dim>
 std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing,
                                   const PeriodicCell<Dim>& cell) {
@@ -314,25 +310,19 @@ std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::
     }
 }
 
-template std::vector<Contact> listContacts<2>(const std::vector<Sphere<2>>&, double,
-                                              const PeriodicCell<2>&);
-template std::vector<Contact> listContacts<3>(const std::vector<Sphere<3>>&, double,
-                                              const PeriodicCell<3>&);
-template std::optional<double> smallestGap<2>(const std::vector<Sphere<2>>&, std::size_t,
-                                              const PeriodicCell<2>&);
-template std::optional<double> smallestGap<3>(const std::vector<Sphere<3>>&, std::size_t,
-                                              const PeriodicCell<3>&);
-template PartContacts contactsOfPart(const std::vector<Sphere<2>>&, std::size_t, double,
-                                     const std::vector<std::uint32_t>*);
-template PartContacts contactsOfPart(const std::vector<Sphere<3>>&, std::size_t, double,
-                                     const std::vector<std::uint32_t>*);
-template void ContactSums::add(const std::vector<Sphere<2>>&, double, const std::vector<float>&,
-                               std::vector<std::int32_t>&);
-template void ContactSums::add(const std::vector<Sphere<3>>&, double, const std::vector<float>&,
-                               std::vector<std::int32_t>&);
-template ContactCheck countContacts<2>(const std::vector<Sphere<2>>&, double,
-                                       const std::vector<float>&, const PeriodicCell<2>&);
-template ContactCheck countContacts<3>(const std::vector<Sphere<3>>&, double,
-                                       const std::vector<float>&, const PeriodicCell<3>&);
+#define VDBPACK_INSTANTIATE(Dim)                                                                  \
+    template std::vector<Contact> listContacts<Dim>(const std::vector<Sphere<Dim>>&, double,      \
+                                                    const PeriodicCell<Dim>&);                    \
+    template std::optional<double> smallestGap<Dim>(const std::vector<Sphere<Dim>>&, std::size_t, \
+                                                    const PeriodicCell<Dim>&);                    \
+    template PartContacts contactsOfPart(const std::vector<Sphere<Dim>>&, std::size_t, double,    \
+                                         const std::vector<std::uint32_t>*);                      \
+    template void ContactSums::add(const std::vector<Sphere<Dim>>&, double,                       \
+                                   const std::vector<float>&, std::vector<std::int32_t>&);        \
+    template ContactCheck countContacts<Dim>(const std::vector<Sphere<Dim>>&, double,             \
+                                             const std::vector<float>&, const PeriodicCell<Dim>&);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
 
 }  // namespace vdbpack

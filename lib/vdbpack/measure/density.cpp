@@ -9,7 +9,6 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <vector>
 

@@ -34,20 +34,14 @@ void JoinedComponents::add(std::size_t own, const std::vector<std::uint32_t>& co
     }
 }
 
-JoinedComponents::Result JoinedComponents::join() {
+/// The pairs of labels that name one component, as far as this rank finds them.
+std::vector<JoinedComponents::Entry> JoinedComponents::links() {
     // What several parts know of a sphere meets at one rank.
     const auto each = static_cast<std::size_t>(ranks_.count());
     std::vector<std::vector<Entry>> byRow(each);
     for (const Entry& k : known_) byRow[k.number % each].push_back(k);
     known_ = {};
-    std::vector<Ranks::Bytes> bytes;
-    for (const auto& list : byRow) bytes.push_back(bytesOf(list));
-    byRow = {};
-    std::vector<Entry> here;
-    for (const auto& list : ranks_.exchange(std::move(bytes))) {
-        const auto values = valuesOf<Entry>(list);
-        here.insert(here.end(), values.begin(), values.end());
-    }
+    std::vector<Entry> here = joined(exchanged(ranks_, std::move(byRow)));
     std::sort(here.begin(), here.end(), [](const Entry& a, const Entry& b) {
         return std::tie(a.number, a.label) < std::tie(b.number, b.label);
     });
@@ -55,24 +49,23 @@ JoinedComponents::Result JoinedComponents::join() {
     for (std::size_t i = 1; i < here.size(); ++i)
         if (here[i].number == here[i - 1].number && here[i].label != here[i - 1].label)
             links.push_back({here[i - 1].label, here[i].label});
-    here = {};
-    const auto less = [](const Entry& a, const Entry& b) {
+    std::sort(links.begin(), links.end(), [](const Entry& a, const Entry& b) {
         return std::tie(a.label, a.number) < std::tie(b.label, b.number);
-    };
-    std::sort(links.begin(), links.end(), less);
+    });
     links.erase(std::unique(links.begin(), links.end(),
                             [](const Entry& a, const Entry& b) {
                                 return a.label == b.label && a.number == b.number;
                             }),
                 links.end());
+    return links;
+}
+
+JoinedComponents::Result JoinedComponents::join() {
     std::unordered_map<std::uint64_t, std::uint32_t> numberOf;  // of a component that was linked
-    std::vector<Entry> all;
-    for (const auto& list : gathered(&ranks_, links)) {
-        all.insert(all.end(), list.begin(), list.end());
-        for (const Entry& link : list)
-            for (const std::uint64_t label : {link.label, link.number})
-                numberOf.emplace(label, static_cast<std::uint32_t>(numberOf.size()));
-    }
+    const std::vector<Entry> all = joined(gathered(&ranks_, links()));
+    for (const Entry& link : all)
+        for (const std::uint64_t label : {link.label, link.number})
+            numberOf.emplace(label, static_cast<std::uint32_t>(numberOf.size()));
     DisjointSets sets(numberOf.size());
     for (const Entry& link : all) sets.join(numberOf[link.label], numberOf[link.number]);
     std::vector<std::uint64_t> spheres(numberOf.size());

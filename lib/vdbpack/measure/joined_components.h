@@ -36,6 +36,7 @@ private:
     struct Entry {
         std::uint64_t label, number;
     };
+    std::vector<Entry> links();
 
     Ranks& ranks_;
     std::uint64_t parts_ = 0;

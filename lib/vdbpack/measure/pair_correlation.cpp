@@ -44,6 +44,25 @@ void addPairs(const std::vector<Sphere<Dim>>& spheres, const std::vector<std::ui
         for (std::size_t b = 0; b < pairs.size(); ++b) pairs[b] += mine[b];
 }
 
+template <int Dim>
+void checkRequest(const std::vector<Sphere<Dim>>& spheres, std::size_t depths, double reach,
+                  int bins, const SphereRows& rows, const PeriodicCell<Dim>& cell) {
+    if (!(reach > 0 && std::isfinite(reach)) || bins < 1 || bins > 1'000'000)
+        throw ParameterError(
+            fmt::format("pair correlation: {} bins up to {} mm; give a positive number of each, "
+                        "at most 1,000,000 bins",
+                        bins, reach));
+    if (depths != spheres.size() && !(depths == 0 && cell.all()))
+        throw ParameterError(fmt::format("pair correlation: {} depths for {} {}; give one each",
+                                         depths, spheres.size(), Measure<Dim>::kSpheres));
+    if (reach > 0.5 * cell.shortest() || (cell.any() && rows.ranks))
+        throw ParameterError(
+            fmt::format("pair correlation: {} mm in a periodic cell {} mm long; give at most half "
+                        "its length, to one process",
+                        reach, cell.shortest()));
+    requireUsable(spheres);
+}
+
 }  // namespace
 
 template <int Dim>
@@ -51,20 +70,7 @@ std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& s
                                                const std::vector<float>& depth, double reach,
                                                double volume, int bins, const SphereRows& rows,
                                                const PeriodicCell<Dim>& cell) {
-    if (!(reach > 0 && std::isfinite(reach)) || bins < 1 || bins > 1'000'000)
-        throw ParameterError(
-            fmt::format("pair correlation: {} bins up to {} mm; give a positive number of each, "
-                        "at most 1,000,000 bins",
-                        bins, reach));
-    if (depth.size() != spheres.size() && !(depth.empty() && cell.all()))
-        throw ParameterError(fmt::format("pair correlation: {} depths for {} {}; give one each",
-                                         depth.size(), spheres.size(), Measure<Dim>::kSpheres));
-    if (reach > 0.5 * cell.shortest() || (cell.any() && rows.ranks))
-        throw ParameterError(
-            fmt::format("pair correlation: {} mm in a periodic cell {} mm long; give at most half "
-                        "its length, to one process",
-                        reach, cell.shortest()));
-    requireUsable(spheres);
+    checkRequest(spheres, depth.size(), reach, bins, rows, cell);
     const auto isDeep = [&](std::size_t i) {
         return depth.empty() || static_cast<double>(depth[i]) >= reach;
     };
@@ -115,13 +121,12 @@ std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& s
     return result;
 }
 
-template std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<2>>&,
-                                                        const std::vector<float>&, double, double,
-                                                        int, const SphereRows&,
-                                                        const PeriodicCell<2>&);
-template std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<3>>&,
-                                                        const std::vector<float>&, double, double,
-                                                        int, const SphereRows&,
-                                                        const PeriodicCell<3>&);
+#define VDBPACK_INSTANTIATE(Dim)                                                         \
+    template std::optional<PairCorrelation> pairCorrelation(                             \
+        const std::vector<Sphere<Dim>>&, const std::vector<float>&, double, double, int, \
+        const SphereRows&, const PeriodicCell<Dim>&);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
 
 }  // namespace vdbpack

@@ -48,54 +48,54 @@ std::size_t SpaceShares<Dim>::cellAt(double x, int axis) const {
                     static_cast<std::size_t>(std::min(at, 1.0) * static_cast<double>(cells)));
 }
 
+/// Adds a sphere, or an image of one, to the lists of the ranks in whose parts of a round it is.
+template <int Dim>
+void SpaceShares<Dim>::send(std::size_t round, std::size_t i, const Vec<Dim>& shift, bool hasImages,
+                            Lists& own, Lists& near) {
+    const Sphere<Dim>& s = spheres_[i];
+    const double reach = reachOf(s);
+    const Sphere<Dim> image{s.center + shift, s.radius};
+    const Vec<Dim>& x = image.center;
+    if (cellAt(x[0] - reach, 0) > round || cellAt(x[0] + reach, 0) < round) return;
+    const bool isOwn = cellAt(x[0], 0) == round && squaredLength(shift) == 0;
+    bool shared = hasImages || cellAt(x[0] - reach, 0) != cellAt(x[0] + reach, 0);
+    std::array<std::size_t, 3> first{}, at{}, last{};
+    for (int d = 1; d < Dim; ++d) {
+        const auto k = static_cast<std::size_t>(d);
+        first[k] = cellAt(x[d] - reach, d);
+        at[k] = cellAt(x[d], d);
+        last[k] = cellAt(x[d] + reach, d);
+        shared = shared || first[k] != last[k];
+    }
+    for (std::size_t z = first[2]; z <= last[2]; ++z)
+        for (std::size_t y = first[1]; y <= last[1]; ++y) {
+            const std::size_t to = z * cells_[1] + y;
+            const bool isHome = isOwn && y == at[1] && z == at[2];
+            (isHome ? own : near)[to].push_back({image, rows_[i], shared});
+            if (isHome) sent_[to].push_back(i);
+        }
+}
+
+/// How far from a sphere's center others are near it, mm.
+template <int Dim>
+double SpaceShares<Dim>::reachOf(const Sphere<Dim>& s) const {
+    return std::max(s.radius * (1 + near_.slack) + largest_, near_.reach) * (1 + 1e-9);
+}
+
 template <int Dim>
 auto SpaceShares<Dim>::part(std::size_t round) -> Part {
     const auto each = static_cast<std::size_t>(ranks_.count());
-    std::vector<std::vector<Sent>> own(each), near(each);
+    Lists own(each), near(each);
     sent_.assign(each, {});
     for (std::size_t i = 0; i < spheres_.size(); ++i) {
-        const Sphere<Dim>& s = spheres_[i];
-        const double touching = s.radius * (1 + near_.slack) + largest_;
-        const double reach = std::max(touching, near_.reach) * (1 + 1e-9);
-        const auto send = [&](const Vec<Dim>& shift, bool hasImages) {
-            const Sphere<Dim> image{s.center + shift, s.radius};
-            const Vec<Dim>& x = image.center;
-            if (cellAt(x[0] - reach, 0) > round || cellAt(x[0] + reach, 0) < round) return;
-            const bool isOwn = cellAt(x[0], 0) == round && squaredLength(shift) == 0;
-            bool shared = hasImages || cellAt(x[0] - reach, 0) != cellAt(x[0] + reach, 0);
-            std::array<std::size_t, 3> first{}, at{}, last{};
-            for (int d = 1; d < Dim; ++d) {
-                const auto k = static_cast<std::size_t>(d);
-                first[k] = cellAt(x[d] - reach, d);
-                at[k] = cellAt(x[d], d);
-                last[k] = cellAt(x[d] + reach, d);
-                shared = shared || first[k] != last[k];
-            }
-            for (std::size_t z = first[2]; z <= last[2]; ++z)
-                for (std::size_t y = first[1]; y <= last[1]; ++y) {
-                    const std::size_t to = z * cells_[1] + y;
-                    if (isOwn && y == at[1] && z == at[2]) {
-                        own[to].push_back({image, rows_[i], shared});
-                        sent_[to].push_back(i);
-                    } else {
-                        near[to].push_back({image, rows_[i], shared});
-                    }
-                }
-        };
-        const Box<Dim> about = Box<Dim>{s.center, s.center}.grown(reach);
+        const Vec<Dim>& x = spheres_[i].center;
+        const Box<Dim> about = Box<Dim>{x, x}.grown(reachOf(spheres_[i]));
         int images = 0;
         near_.cell.forEachShift(about, bounds_, [&](const Vec<Dim>&) { ++images; });
-        near_.cell.forEachShift(about, bounds_,
-                                [&](const Vec<Dim>& shift) { send(shift, images > 1); });
+        near_.cell.forEachShift(about, bounds_, [&](const Vec<Dim>& shift) {
+            send(round, i, shift, images > 1, own, near);
+        });
     }
-    const auto exchanged = [&](std::vector<std::vector<Sent>>& lists) {
-        std::vector<Ranks::Bytes> bytes;
-        for (auto& list : lists) {
-            bytes.push_back(bytesOf(list));
-            list = {};
-        }
-        return ranks_.exchange(std::move(bytes));
-    };
     Part part;
     received_.clear();
     const auto append = [&part](const std::vector<Sent>& list) {
@@ -105,31 +105,28 @@ auto SpaceShares<Dim>::part(std::size_t round) -> Part {
             part.shared.push_back(sent.shared != 0);
         }
     };
-    for (const auto& bytes : exchanged(own)) {
-        const auto list = valuesOf<Sent>(bytes);
+    for (const auto& list : exchanged(ranks_, std::move(own))) {
         append(list);
         received_.push_back(list.size());
     }
     part.own = part.spheres.size();
-    for (const auto& bytes : exchanged(near)) append(valuesOf<Sent>(bytes));
+    for (const auto& list : exchanged(ranks_, std::move(near))) append(list);
     return part;
 }
 
 template <int Dim>
 void SpaceShares<Dim>::handBack(const std::vector<std::int32_t>& found,
                                 std::vector<std::int32_t>& numbers) {
-    std::vector<Ranks::Bytes> replies;
+    std::vector<std::vector<std::int32_t>> replies;
     auto next = found.begin();
     for (const std::size_t count : received_) {
         const auto end = next + static_cast<std::ptrdiff_t>(count);
-        replies.push_back(bytesOf(std::vector<std::int32_t>(next, end)));
+        replies.emplace_back(next, end);
         next = end;
     }
-    const auto answers = ranks_.exchange(std::move(replies));
-    for (std::size_t r = 0; r < answers.size(); ++r) {
-        const auto values = valuesOf<std::int32_t>(answers[r]);
-        for (std::size_t k = 0; k < values.size(); ++k) numbers[sent_[r][k]] = values[k];
-    }
+    const auto answers = exchanged(ranks_, std::move(replies));
+    for (std::size_t r = 0; r < answers.size(); ++r)
+        for (std::size_t k = 0; k < answers[r].size(); ++k) numbers[sent_[r][k]] = answers[r][k];
 }
 
 template class SpaceShares<2>;

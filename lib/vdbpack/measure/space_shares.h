@@ -58,6 +58,11 @@ private:
         std::uint64_t shared;
     };
 
+    using Lists = std::vector<std::vector<Sent>>;  // to each rank
+
+    double reachOf(const Sphere<Dim>& s) const;
+    void send(std::size_t round, std::size_t i, const Vec<Dim>& shift, bool hasImages, Lists& own,
+              Lists& near);
     /// Parts along an axis whose interval begins before `x`, less one.
     std::size_t cellAt(double x, int axis) const;
 

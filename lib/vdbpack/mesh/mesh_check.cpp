@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numeric>
 
 namespace vdbpack {
@@ -108,18 +107,6 @@ std::size_t countPieces(const TriangleMesh& mesh) {
     return pieces;
 }
 
-}  // namespace
-
-std::string MeshHealth::describeLeak() const {
-    if (!leak) return {};
-    return fmt::format("{}, first at vertex {} {}; largest hole: {}, {:.4g} mm around, at {}",
-                       plural(boundaryEdges, "boundary edge"), leak->vertex, text(leak->position),
-                       plural(leak->largest.edges, "edge"), leak->largest.length,
-                       text(leak->largest.center));
-}
-
-namespace {
-
 /// Sets vertices, bounds, area and degenerate triangles. @return collapsed triangles.
 std::size_t measureTriangles(const TriangleMesh& mesh, MeshHealth& health) {
     health.triangles = mesh.triangles.size();
@@ -181,6 +168,14 @@ void countShells(const ShellAnalysis& analysis, MeshHealth& health) {
 }
 
 }  // namespace
+
+std::string MeshHealth::describeLeak() const {
+    if (!leak) return {};
+    return fmt::format("{}, first at vertex {} {}; largest hole: {}, {:.4g} mm around, at {}",
+                       plural(boundaryEdges, "boundary edge"), leak->vertex, text(leak->position),
+                       plural(leak->largest.edges, "edge"), leak->largest.length,
+                       text(leak->largest.center));
+}
 
 MeshAnalysis analyzeMesh(const TriangleMesh& mesh) {
     MeshAnalysis analysis;

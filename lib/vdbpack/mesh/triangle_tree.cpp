@@ -7,7 +7,6 @@
 
 #include <tbb/parallel_invoke.h>
 
-#include <limits>
 #include <numeric>
 
 namespace vdbpack {

@@ -1,7 +1,5 @@
 #include "vdbpack/mesh/welding.h"
 
-#include <algorithm>
-
 namespace vdbpack {
 
 Welder::Welder(std::size_t expected) {

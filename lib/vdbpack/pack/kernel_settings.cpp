@@ -9,10 +9,9 @@ namespace vdbpack {
 
 namespace {
 
-/// FrontSettings::lead and reach in largest radii. Box 200, radii 1 to 2, solid fraction in
-/// all / of the interior:
-/// 0.6341 / 0.6411 at 0.5 and 1.5; 0.6371 / 0.6438 at 0.7 and 1.7; 0.6369 / 0.6436 at 1 and 1.4;
-/// 0.6346 / 0.6411 at 1 and 2. Of those the second scatters least in small domains.
+/// FrontSettings::lead and reach in largest radii. Box 200, radii 1 to 2, solid fraction in all /
+/// of the interior: 0.6341 / 0.6411 at 0.5 and 1.5; 0.6371 / 0.6438 at 0.7 and 1.7; 0.6369 / 0.6436
+/// at 1 and 1.4; 0.6346 / 0.6411 at 1 and 2. Of those the second scatters least in small domains.
 constexpr double kLead = 0.7;
 constexpr double kReach = 1.7;
 /// FrontSettings::wallLead in largest radii. Box 120, radii 1 to 2, mean radius of the centers
@@ -75,38 +74,6 @@ bool areNearlyEqual(const FrontLengths& settings) {
     return Dim == 3 && settings.commonRadius <= kNearlyEqual * settings.minRadius;
 }
 
-}  // namespace
-
-double quantumFor(const PackOptions& options) {
-    double mean = options.sizes.mean();
-    if (options.local.any()) {
-        for (std::size_t g = 0; g < options.local.groups(); ++g)
-            mean = std::min(mean, options.local.sizesOf(g, options.sizes).mean());
-        mean *= options.local.factors().least;
-    }
-    // Point grids of OpenVDB store 25 bits of a voxel's edge; voxels of up to 8 mean radii suit
-    // them.
-    return std::exp2(std::floor(std::log2(mean)) - 22);
-}
-
-double leastRadius(const PackOptions& options) {
-    double least = options.sizes.min();
-    for (const Species& species : options.species) least = std::min(least, species.sizes.min());
-    if (!options.local.any()) return least;
-    for (std::size_t g = 0; g < options.local.groups(); ++g)
-        least = std::min(least, options.local.sizesOf(g, options.sizes).min());
-    return least * options.local.factors().least;
-}
-
-double largestRadius(const PackOptions& options) {
-    double largest = 0;
-    for (std::size_t g = 0; g < options.local.groups(); ++g)
-        largest = std::max(largest, options.local.sizesOf(g, options.sizes).quantile(1));
-    return largest * options.local.factors().most;
-}
-
-namespace {
-
 template <int Dim>
 FrontLengths lengthsFor(const SizeDistribution& sizes, const PackOptions& options) {
     const double shell = shellOf(options);
@@ -141,6 +108,34 @@ FrontLengths lengthsFor(const SizeDistribution& sizes, const PackOptions& option
 }
 
 }  // namespace
+
+double quantumFor(const PackOptions& options) {
+    double mean = options.sizes.mean();
+    if (options.local.any()) {
+        for (std::size_t g = 0; g < options.local.groups(); ++g)
+            mean = std::min(mean, options.local.sizesOf(g, options.sizes).mean());
+        mean *= options.local.factors().least;
+    }
+    // Point grids of OpenVDB store 25 bits of a voxel's edge; voxels of up to 8 mean radii suit
+    // them.
+    return std::exp2(std::floor(std::log2(mean)) - 22);
+}
+
+double leastRadius(const PackOptions& options) {
+    double least = options.sizes.min();
+    for (const Species& species : options.species) least = std::min(least, species.sizes.min());
+    if (!options.local.any()) return least;
+    for (std::size_t g = 0; g < options.local.groups(); ++g)
+        least = std::min(least, options.local.sizesOf(g, options.sizes).min());
+    return least * options.local.factors().least;
+}
+
+double largestRadius(const PackOptions& options) {
+    double largest = 0;
+    for (std::size_t g = 0; g < options.local.groups(); ++g)
+        largest = std::max(largest, options.local.sizesOf(g, options.sizes).quantile(1));
+    return largest * options.local.factors().most;
+}
 
 template <int Dim>
 std::vector<FrontLengths> frontLengths(const PackOptions& options) {

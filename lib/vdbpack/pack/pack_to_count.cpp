@@ -2,8 +2,6 @@
 
 #include "vdbpack/core/error.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>

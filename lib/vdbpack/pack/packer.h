@@ -44,8 +44,7 @@ struct PackResult {
 /// that are negative or add up to 1 or more. InputError if the smallest radius fits nowhere (with
 /// the largest ball that fits), the domain is empty, or one of `existing` is not a usable number or
 /// lies in more than 2000 others that are no copies; if a periodic cell is shorter than four
-/// diameters of the largest sphere. ResourceError if more than 1e9 spheres would
-/// be placed.
+/// diameters of the largest sphere. ResourceError if more than 1e9 spheres would be placed.
 ///
 /// Source: front advancing after Feng, Han, Owen (2003), doi:10.1002/nme.583; sites, pools and
 /// wavefront as described in assets/guides/how-it-works.md.

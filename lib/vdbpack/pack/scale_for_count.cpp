@@ -15,23 +15,41 @@ namespace {
 /// Factor on the radii of a trial that do not fit, and the least part of those that are sought.
 constexpr double kSmaller = 0.7, kSmallest = 0.5;
 
+/// Share of a domain that spheres fill.
+template <int Dim>
+constexpr double kGuess = Dim == 3 ? 0.58 : 0.8;
+
+template <int Dim>
+void checkCount(double count, double most, double gap) {
+    if (!(count >= 1 && std::isfinite(count)))
+        throw ParameterError(
+            fmt::format("`targetCount` {}: must be a number of spheres, 1 or more", count));
+    if (!(count < most))
+        throw ParameterError(
+            fmt::format("{:.0f} {} cannot keep a gap of {:g} mm in this domain, however small they "
+                        "are: at most about {:.0f} can; give a smaller count or a smaller gap",
+                        count, Measure<Dim>::kSpheres, gap, most));
+}
+
+/// Share of a domain that is left beside existing spheres.
+template <int Dim>
+double roomBeside(const std::vector<Sphere<Dim>>& existing, const Domain<Dim>& domain,
+                  double shell) {
+    double taken = 0;
+    const auto sampler = domain.sampler();
+    for (const auto& s : existing)
+        if (sampler->signedDistance(s.center) < 0) taken += Measure<Dim>::ball(s.radius + shell);
+    return std::max(0.05, 1 - taken / domain.volume());
+}
+
 }  // namespace
 
 template <int Dim>
 double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, double count,
                      const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
-    if (!(count >= 1 && std::isfinite(count)))
-        throw ParameterError(
-            fmt::format("`targetCount` {}: must be a number of spheres, 1 or more", count));
     const double shell = shellOf(options);
-    const double guess = Dim == 3 ? 0.58 : 0.8;
     const LocalBalls<Dim> balls(domain, options.sizes, options.local);
-    const double most = guess * domain.volume() / balls.mean(0, shell);
-    if (!(count < most))
-        throw ParameterError(
-            fmt::format("{:.0f} {} cannot keep a gap of {:g} mm in this domain, however small they "
-                        "are: at most about {:.0f} can; give a smaller count or a smaller gap",
-                        count, Measure<Dim>::kSpheres, options.gap, most));
+    checkCount<Dim>(count, kGuess<Dim> * domain.volume() / balls.mean(0, shell), options.gap);
     // Where `n` spheres with their shells fill that fraction of the domain.
     const auto scaleFor = [&](double fraction, double n) {
         const double ball = fraction * domain.volume() / n;
@@ -54,12 +72,7 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
         const auto result = packSpheres(domain, trial, quiet, existing);
         return ballShare(result.pack.spheres, domain.volume(), options.ranks, shell);
     };
-    // Room beside the existing spheres.
-    double taken = 0;
-    const auto sampler = domain.sampler();
-    for (const auto& s : existing)
-        if (sampler->signedDistance(s.center) < 0) taken += Measure<Dim>::ball(s.radius + shell);
-    const double room = guess * std::max(0.05, 1 - taken / domain.volume());
+    const double room = kGuess<Dim> * roomBeside(existing, domain, shell);
     // Solid fraction f = a - b s at scale s, since a layer as thick as the radii is packed worse
     // along the wall. Two trials with 1/20 and 1/5 of the spheres give a and b.
     double coarse = scaleFor(room, std::max(count / 20, 50.0));

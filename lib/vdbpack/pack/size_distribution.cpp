@@ -62,10 +62,6 @@ std::vector<std::pair<double, double>> readTable(const std::string& path, const 
     return rows;
 }
 
-}  // namespace
-
-namespace {
-
 SizeShape uniformShape(double a, double b) {
     SizeShape shape;
     shape.lo = a;

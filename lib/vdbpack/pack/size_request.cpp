@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cassert>
-#include <cstddef>
 #include <utility>
 
 namespace vdbpack {

@@ -61,8 +61,7 @@ void checkPreviewCut(const PreviewCut& cut, const Box<3>& bounds) {
     if (!(cut.at > bounds.lo[cut.axis] && cut.at < bounds.hi[cut.axis]))
         throw ParameterError(
             fmt::format("`preview.cut` {0}={1:g}: misses the scene, which lies between {0} = "
-                        "{2:.6g} and {3:.6g} "
-                        "mm; cut between them",
+                        "{2:.6g} and {3:.6g} mm; cut between them",
                         "xyz"[cut.axis], cut.at, bounds.lo[cut.axis], bounds.hi[cut.axis]));
 }
 

@@ -92,10 +92,9 @@ bool canDrawSpace();
 /// scale is that of the middle of the scene, or of the cut face at which the camera looks.
 ///
 /// Cut spheres and solids have flat faces, cut walls are lines. `texts` of the image describe it:
-/// "Title", and "Description" with colors, cut and scale.
-/// The same for any number of threads.
-/// Cost: a million spheres at 1600 x 1200 in some seconds on two threads; 60 bytes per sphere for
-/// the hierarchy of boxes.
+/// "Title", and "Description" with colors, cut and scale. The same for any number of threads. Cost:
+/// a million spheres at 1600 x 1200 in some seconds on two threads; 60 bytes per sphere for the
+/// hierarchy of boxes.
 /// @throws ParameterError for a size out of bounds, an empty scene, an attribute to color by that
 /// the pack does not have, a cut that misses the scene, or a build without Embree; ResourceError if
 /// memory does not suffice; Interrupted.

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace vdbpack {
 
@@ -49,11 +51,7 @@ void checkField(const PlaneField& field) {
             field.columns, field.rows, field.step, field.distance.size()));
 }
 
-}  // namespace
-
-Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
-    checkPreviewSize(options.width, options.height);
-    if (options.cut) throw ParameterError("`preview.cut`: a plane cannot be cut; leave it out");
+Box<2> boundsOf(const PlanePreview& scene) {
     Box<2> bounds = scene.bounds;
     if (scene.pack && !scene.pack->spheres.empty()) {
         const Box<2> circles = boundsOf(*scene.pack);
@@ -61,6 +59,22 @@ Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) 
         bounds.add(circles.hi);
     }
     if (bounds.empty()) throw ParameterError("preview: the scene is empty; give circles or bounds");
+    return bounds;
+}
+
+PlaneDiscs discsOf(const Pack<2>* pack) {
+    if (!pack) return {{}, {}};
+    std::vector<std::int32_t> indices(pack->spheres.size());
+    std::iota(indices.begin(), indices.end(), 0);
+    return {pack->spheres, std::move(indices)};
+}
+
+}  // namespace
+
+Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
+    checkPreviewSize(options.width, options.height);
+    if (options.cut) throw ParameterError("`preview.cut`: a plane cannot be cut; leave it out");
+    const Box<2> bounds = boundsOf(scene);
     if (scene.field) checkField(*scene.field);
     SphereColors colors;
     if (scene.pack) colors = sphereColors(*scene.pack, options.color, options.column);
@@ -80,14 +94,7 @@ Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) 
                        middle[1] - (y - 0.5 * (1 - kFoot) * options.height) * pixel}};
     };
 
-    std::vector<std::int32_t> indices;
-    std::vector<Sphere<2>> circles;
-    if (scene.pack) {
-        circles = scene.pack->spheres;
-        for (std::size_t i = 0; i < circles.size(); ++i)
-            indices.push_back(static_cast<std::int32_t>(i));
-    }
-    const PlaneDiscs discs(std::move(circles), std::move(indices));
+    const PlaneDiscs discs = discsOf(scene.pack);
     const Color white{1, 1, 1}, inside = scene.pack ? fromSrgb(0xf3efe7) : boneCutColor();
     const auto colorAt = [&](const Vec<2>& x) {
         Color color = white;

@@ -6,11 +6,8 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/preview/drawn_wall.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <type_traits>
-#include <utility>
 
 namespace vdbpack {
 
@@ -71,10 +68,9 @@ void checkPreview(const PreviewOptions& recipe, const std::string& reportFile) {
         throw ParameterError("`preview.file` " + file + ": pictures are PNG; name it .png");
     const bool asked = recipe.cut || recipe.color != PreviewColor::radius;
     if (asked && file.empty() && !isPage(reportFile))
-        throw ParameterError(
-            std::string(recipe.cut ? "`preview.cut`" : "`preview.color`") +
-            " has no effect without a picture; add `preview.file` FILE.png or `reportFile` "
-            "FILE.html");
+        throw ParameterError(std::string(recipe.cut ? "`preview.cut`" : "`preview.color`") +
+                             " has no effect without a picture; add `preview.file` FILE.png or "
+                             "`reportFile` FILE.html");
 }
 
 template <int Dim>
@@ -148,21 +144,19 @@ bool drawGiven(const PreviewOptions& recipe, const std::string& name, const Tria
     return true;
 }
 
-template void checkPreview<2>(const PreviewOptions&, const Domain<2>&, const Pack<2>*);
-template void checkPreview<3>(const PreviewOptions&, const Domain<3>&, const Pack<3>*);
-template PagePicture drawPack<2>(const PreviewOptions&, const std::string&, const Pack<2>&,
-                                 const DomainSource*, const DomainSource::Built&, const Callbacks&);
-template PagePicture drawPack<3>(const PreviewOptions&, const std::string&, const Pack<3>&,
-                                 const DomainSource*, const DomainSource::Built&, const Callbacks&);
-template bool drawGiven<2>(const PreviewOptions&, const std::string&, const Pack<2>&,
-                           const DomainSource*, const DomainSource::Built&);
-template bool drawGiven<3>(const PreviewOptions&, const std::string&, const Pack<3>&,
-                           const DomainSource*, const DomainSource::Built&);
-template PagePicture drawPreview<2>(const PreviewOptions&, const std::string&, const DomainSource&,
-                                    const DomainSource::Built&, const MadeVoids<2>&, const Pack<2>*,
-                                    const Callbacks&, const TriangleMesh*);
-template PagePicture drawPreview<3>(const PreviewOptions&, const std::string&, const DomainSource&,
-                                    const DomainSource::Built&, const MadeVoids<3>&, const Pack<3>*,
-                                    const Callbacks&, const TriangleMesh*);
+#define VDBPACK_INSTANTIATE(Dim)                                                                  \
+    template void checkPreview<Dim>(const PreviewOptions&, const Domain<Dim>&, const Pack<Dim>*); \
+    template PagePicture drawPack<Dim>(const PreviewOptions&, const std::string&,                 \
+                                       const Pack<Dim>&, const DomainSource*,                     \
+                                       const DomainSource::Built&, const Callbacks&);             \
+    template bool drawGiven<Dim>(const PreviewOptions&, const std::string&, const Pack<Dim>&,     \
+                                 const DomainSource*, const DomainSource::Built&);                \
+    template PagePicture drawPreview<Dim>(const PreviewOptions&, const std::string&,              \
+                                          const DomainSource&, const DomainSource::Built&,        \
+                                          const MadeVoids<Dim>&, const Pack<Dim>*,                \
+                                          const Callbacks&, const TriangleMesh*);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
 
 }  // namespace vdbpack

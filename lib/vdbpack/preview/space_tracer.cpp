@@ -124,70 +124,69 @@ std::int32_t SpaceTracer::sphereAt(double x, double y) const {
     return hit.geometry == RayScene::kSpheres ? indexOf(hit.primitive) : -1;
 }
 
+inline void SpaceTracer::showCut(const Start& start, const Color& color, Sample& s) const {
+    s.hit = s.flat = true;
+    s.normal = cutNormal_;
+    s.at = local_(start.at);
+    s.albedo = color;
+}
+
+inline bool SpaceTracer::showSection(const Start& start, Sample& s) const {
+    if (!options_.cut) return false;
+    const Vec<2> flat = CutAxes(options_.cut->axis).flat(start.at);
+    if (lines_ && lines_->distance(flat) < kWallLine * mmPerPixel()) {
+        showCut(start, inkColor(), s);
+        return true;
+    }
+    if (!discs_) return false;
+    const auto found = discs_->at(flat);
+    if (found.index < 0) return false;
+    const Color color = colors_[static_cast<std::size_t>(found.index)];
+    showCut(start, color * (found.rim < rimOf(found.index) ? kRimShade : 1), s);
+    return true;
+}
+
+inline bool SpaceTracer::showBody(const Hit& hit, const Float3& along, Sample& s,
+                                  Float3& origin) const {
+    s.hit = true;
+    s.at = eye_ + along * hit.t;
+    if (hit.geometry == RayScene::kSpheres) {
+        const auto& ball = spheres_[hit.primitive];
+        const Float3 center{ball[0], ball[1], ball[2]};
+        s.albedo = colors_[static_cast<std::size_t>(indexOf(hit.primitive))];
+        s.normal = normalized(s.at - center);
+        // Hit from behind: by rounding, the ray started inside at the rim of a cut face.
+        if (options_.cut && dot(s.normal, along) > 0) {
+            s.albedo = s.albedo * kRimShade;
+            return false;
+        }
+        s.at = center + s.normal * ball[3];
+        origin = center + s.normal * (ball[3] * 1.0005f + 2e-6f);
+        return true;
+    }
+    Float3 facet = normalized(hit.normal);
+    if (dot(facet, along) > 0) {
+        s.albedo = boneCutColor();
+        if (options_.cut) return false;  // the ray starts inside the body
+        facet = -facet;
+    }
+    s.albedo = boneColor();
+    s.normal = solid_->normalAt(hit);
+    if (dot(s.normal, facet) < 0) s.normal = -s.normal;
+    origin = s.at + facet * 2e-5f;
+    return true;
+}
+
 void SpaceTracer::trace(int px, int py, int k, Sample& s) const {
     const auto& offset = kInPixel[static_cast<std::size_t>(k)];
     const Vec<3> direction = directionAt(px + offset[0], py + offset[1]);
     const Start start = startOf(direction);
-    if (!start.sees) return;
+    if (!start.sees || showSection(start, s)) return;
     const Float3 along = normalized(single(direction));
-    Float3 origin;  // of further rays
-    float reach = std::numeric_limits<float>::infinity();
-    const auto cap = [&](const Color& color) {
-        s.hit = true;
-        s.normal = cutNormal_;
-        s.at = local_(start.at);
-        s.albedo = color;
-        s.flat = true;
-        reach = start.t;
-    };
-    if (options_.cut) {
-        const Vec<2> flat = CutAxes(options_.cut->axis).flat(start.at);
-        if (lines_ && lines_->distance(flat) < kWallLine * mmPerPixel()) {
-            cap(inkColor());
-            return;
-        }
-        if (discs_) {
-            const auto found = discs_->at(flat);
-            if (found.index >= 0) {
-                const Color color = colors_[static_cast<std::size_t>(found.index)];
-                cap(color * (found.rim < rimOf(found.index) ? kRimShade : 1));
-                return;
-            }
-        }
-    }
+    Float3 origin;
     const Hit hit = bodies_.first(eye_, along, start.t);
-    if (hit.any()) {
-        s.hit = true;
-        reach = hit.t;
-        s.at = eye_ + along * hit.t;
-        if (hit.geometry == RayScene::kSpheres) {
-            const auto& ball = spheres_[hit.primitive];
-            const Float3 center{ball[0], ball[1], ball[2]};
-            s.albedo = colors_[static_cast<std::size_t>(indexOf(hit.primitive))];
-            s.normal = normalized(s.at - center);
-            // Hit from behind: by rounding, the ray started inside at the rim of a cut face.
-            if (options_.cut && dot(s.normal, along) > 0) {
-                cap(s.albedo * kRimShade);
-                return;
-            }
-            s.at = center + s.normal * ball[3];
-            origin = center + s.normal * (ball[3] * 1.0005f + 2e-6f);
-        } else {
-            Float3 facet = normalized(hit.normal);
-            if (dot(facet, along) > 0) {
-                // The ray starts inside the body, at its cut face.
-                if (options_.cut) {
-                    cap(boneCutColor());
-                    return;
-                }
-                facet = -facet;
-            }
-            s.albedo = boneColor();
-            s.normal = solid_->normalAt(hit);
-            if (dot(s.normal, facet) < 0) s.normal = -s.normal;
-            origin = s.at + facet * 2e-5f;
-        }
-    }
+    if (hit.any() && !showBody(hit, along, s, origin)) return showCut(start, s.albedo, s);
+    const float reach = hit.any() ? hit.t : std::numeric_limits<float>::infinity();
     if (wall_) addVeil(along, start.t, reach, s);
     if (s.hit) addLight(px, py, k, origin, s);
 }

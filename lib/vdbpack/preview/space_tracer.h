@@ -73,6 +73,13 @@ private:
     double rimOf(std::int32_t index) const;
     /// The length of a ray within the part that a cut keeps.
     inline float freeWay(const Float3& from, const Float3& along) const;
+    /// A point of the cut face, drawn without light.
+    inline void showCut(const Start& start, const Color& color, Sample& s) const;
+    /// The line of the wall or the disc of a sphere at the cut face. @return whether there is one.
+    inline bool showSection(const Start& start, Sample& s) const;
+    /// The surface of a body where a ray hits it. @return false: it is seen from within, at its cut
+    /// face. @param origin  of further rays
+    inline bool showBody(const Hit& hit, const Float3& along, Sample& s, Float3& origin) const;
     /// Adds the wall in front of the hit, or behind everything if the ray starts inside.
     void addVeil(const Float3& along, float near, float far, Sample& s) const;
     void addLight(int px, int py, int k, const Float3& origin, Sample& s) const;

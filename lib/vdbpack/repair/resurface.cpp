@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
-#include <utility>
 #include <vector>
 
 namespace vdbpack {

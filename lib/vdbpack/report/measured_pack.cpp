@@ -250,19 +250,16 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
     return result;
 }
 
-template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, const Report&, double,
-                                       const Callbacks&, const SphereRows&);
-template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&, double,
-                                       const Callbacks&, const SphereRows&);
-template void measureSizes(const Pack<2>&, const SizeDistribution&, Report&, const LocalSizes*,
-                           const Domain<2>*);
-template void measureSizes(const Pack<3>&, const SizeDistribution&, Report&, const LocalSizes*,
-                           const Domain<3>*);
-template void measurePack<2>(Pack<2>&, const DomainSource*, const Domain<2>*,
-                             const SizeDistribution*, double, Report&, const Callbacks&,
-                             const LocalSizes*);
-template void measurePack<3>(Pack<3>&, const DomainSource*, const Domain<3>*,
-                             const SizeDistribution*, double, Report&, const Callbacks&,
-                             const LocalSizes*);
+#define VDBPACK_INSTANTIATE(Dim)                                                                  \
+    template Structure measureStructure<Dim>(const Pack<Dim>&, const Domain<Dim>*, const Report&, \
+                                             double, const Callbacks&, const SphereRows&);        \
+    template void measureSizes(const Pack<Dim>&, const SizeDistribution&, Report&,                \
+                               const LocalSizes*, const Domain<Dim>*);                            \
+    template void measurePack<Dim>(Pack<Dim>&, const DomainSource*, const Domain<Dim>*,           \
+                                   const SizeDistribution*, double, Report&, const Callbacks&,    \
+                                   const LocalSizes*);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
 
 }  // namespace vdbpack

@@ -110,6 +110,10 @@ struct Report {
     struct Seconds {
         double mesh = 0, domain = 0, pack = 0, densify = 0, voids = 0, measure = 0, write = 0,
                total = 0;
+        std::vector<std::pair<const char*, double>> stages() const {
+            return {{"mesh", mesh},   {"domain", domain},   {"pack", pack},  {"densify", densify},
+                    {"voids", voids}, {"measure", measure}, {"write", write}};
+        }
     } seconds;
     std::uint64_t peakMemoryBytes = 0;
 

@@ -179,15 +179,8 @@ Chart pairs(const Structure& structure, const Report& report, const DimensionWor
 
 /// A table of the stages, each with a bar.
 std::string times(const Report& report) {
-    const Report::Seconds& s = report.seconds;
-    const std::vector<std::pair<const char*, double>> stages{
-        {report.task == "pack" ? "mesh" : "read", s.mesh},
-        {"domain", s.domain},
-        {"pack", s.pack},
-        {"densify", s.densify},
-        {"voids", s.voids},
-        {"measure", s.measure},
-        {"write", s.write}};
+    auto stages = report.seconds.stages();
+    if (report.task != "pack") stages.front().first = "read";
     double most = 0;
     for (const auto& [name, value] : stages) most = std::max(most, value);
     if (!(most > 0))
@@ -202,7 +195,7 @@ std::string times(const Report& report) {
     return fmt::format(
         "<figure>\n<h3>Time</h3>\n<table class='times' id='chart-seconds'><tbody>\n{}"
         "</tbody></table>\n<figcaption>{:.3g} s in all, on {} thread{}.</figcaption>\n</figure>\n",
-        rows, s.total, report.threads, report.threads == 1 ? "" : "s");
+        rows, report.seconds.total, report.threads, report.threads == 1 ? "" : "s");
 }
 
 }  // namespace

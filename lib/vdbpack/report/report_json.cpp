@@ -114,6 +114,33 @@ Json domainJson(const Report& r) {
     return json;
 }
 
+Json spheresJson(const Report& r) {
+    const auto known = [&](double value) { return r.count > 0 ? Json(value) : Json(); };
+    Json json = {{"count", r.count},
+                 {"existing", r.existing},
+                 {"requested", r.requested.empty() ? Json() : Json(r.requested)},
+                 {"radius",
+                  {{"min", known(r.radius.min)},
+                   {"mean", known(r.radius.mean)},
+                   {"max", known(r.radius.max)},
+                   {"sd", known(r.radius.sd)}}},
+                 {"ks", orNull(r.ks)},
+                 {"ksByVolume", orNull(r.ksByVolume)},
+                 {"wall", r.wallSizes ? Json({{"depth", r.wallSizes->depth},
+                                              {"count", r.wallSizes->count},
+                                              {"ks", r.wallSizes->ks},
+                                              {"ksByVolume", r.wallSizes->ksByVolume}})
+                                      : Json()}};
+    for (const auto& group : r.localSizes)
+        json["local"].push_back({{"name", group.name},
+                                 {"requested", group.requested},
+                                 {"count", group.count},
+                                 {"factors", {group.factorLeast, group.factorMost}},
+                                 {"ks", group.ks},
+                                 {"ksByVolume", group.ksByVolume}});
+    return json;
+}
+
 }  // namespace
 
 nlohmann::ordered_json toJson(const Report& r) {
@@ -128,29 +155,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["hash"] = hashText(r.hash);
     json["interrupted"] = r.interrupted;
     json["domain"] = domainJson(r);
-    const bool any = r.count > 0;
-    json["spheres"] = {{"count", r.count},
-                       {"existing", r.existing},
-                       {"requested", r.requested.empty() ? Json() : Json(r.requested)},
-                       {"radius",
-                        {{"min", any ? Json(r.radius.min) : Json()},
-                         {"mean", any ? Json(r.radius.mean) : Json()},
-                         {"max", any ? Json(r.radius.max) : Json()},
-                         {"sd", any ? Json(r.radius.sd) : Json()}}},
-                       {"ks", orNull(r.ks)},
-                       {"ksByVolume", orNull(r.ksByVolume)},
-                       {"wall", r.wallSizes ? Json({{"depth", r.wallSizes->depth},
-                                                    {"count", r.wallSizes->count},
-                                                    {"ks", r.wallSizes->ks},
-                                                    {"ksByVolume", r.wallSizes->ksByVolume}})
-                                            : Json()}};
-    for (const auto& group : r.localSizes)
-        json["spheres"]["local"].push_back({{"name", group.name},
-                                            {"requested", group.requested},
-                                            {"count", group.count},
-                                            {"factors", {group.factorLeast, group.factorMost}},
-                                            {"ks", group.ks},
-                                            {"ksByVolume", group.ksByVolume}});
+    json["spheres"] = spheresJson(r);
     json["solidFraction"] = {{"total", orNull(r.solidFractionTotal)},
                              {"interior", orNull(r.solidFractionInterior)}};
     json["contacts"] = contactsJson(r);
@@ -180,10 +185,8 @@ nlohmann::ordered_json toJson(const Report& r) {
                  {"density", p.density > 0 ? Json(p.density) : Json()}});
         json["contacts"]["betweenParts"] = r.contactsBetweenParts;
     }
-    json["seconds"] = {{"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},
-                       {"pack", r.seconds.pack},   {"densify", r.seconds.densify},
-                       {"voids", r.seconds.voids}, {"measure", r.seconds.measure},
-                       {"write", r.seconds.write}, {"total", r.seconds.total}};
+    for (const auto& [name, value] : r.seconds.stages()) json["seconds"][name] = value;
+    json["seconds"]["total"] = r.seconds.total;
     json["peakMemoryBytes"] = r.peakMemoryBytes;
     json["warnings"] = r.warnings;
     return json;

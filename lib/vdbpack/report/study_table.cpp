@@ -105,25 +105,6 @@ std::optional<double> figureOf(const std::string& name, const Report& report) {
     return std::nullopt;
 }
 
-}  // namespace
-
-std::string studyTable(const std::vector<Report>& reports) {
-    std::string text = "seed,hash";
-    for (const Figure& figure : figures()) text += std::string(",") + figure.name;
-    text += '\n';
-    for (const Report& r : reports) {
-        text += fmt::format("{},{}", r.seed, r.task == "voids" ? "" : hashText(r.hash));
-        for (const Figure& figure : figures()) {
-            const auto value = figure.of(r);
-            text += ',' + (value ? fmt::format(fmt::runtime(figure.form), *value) : "");
-        }
-        text += '\n';
-    }
-    return text;
-}
-
-namespace {
-
 /// A column of the summary.
 struct SummaryColumn {
     const char* title;
@@ -178,6 +159,21 @@ std::array<std::optional<double>, 2> spreadOf(const char* figure,
 }
 
 }  // namespace
+
+std::string studyTable(const std::vector<Report>& reports) {
+    std::string text = "seed,hash";
+    for (const Figure& figure : figures()) text += std::string(",") + figure.name;
+    text += '\n';
+    for (const Report& r : reports) {
+        text += fmt::format("{},{}", r.seed, r.task == "voids" ? "" : hashText(r.hash));
+        for (const Figure& figure : figures()) {
+            const auto value = figure.of(r);
+            text += ',' + (value ? fmt::format(fmt::runtime(figure.form), *value) : "");
+        }
+        text += '\n';
+    }
+    return text;
+}
 
 std::string studySummary(const std::vector<Report>& reports, bool interrupted) {
     const auto columns = summaryColumns(reports);

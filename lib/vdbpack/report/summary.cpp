@@ -1,4 +1,5 @@
 #include "vdbpack/core/symmetric.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/repair/repair_report.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/report/words.h"
@@ -14,36 +15,13 @@ namespace vdbpack {
 
 namespace {
 
-/// Columns on a terminal of UTF-8 text.
-std::size_t columns(const std::string& text) {
-    std::size_t n = 0;
-    for (const char c : text) n += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-    return n;
-}
-
 /// Lines under labels, wrapped between words.
 class Summary {
 public:
     void line(const std::string& label, const std::string& text) {
         constexpr std::size_t kLabel = 11, kWidth = 80;
-        std::string row = fmt::format("{:<{}}", label, kLabel);
-        std::size_t used = kLabel;
-        bool fresh = true;
-        for (std::size_t at = 0; at < text.size();) {
-            const std::size_t end = std::min(text.find(' ', at), text.size());
-            const std::string word = text.substr(at, end - at);
-            if (!fresh && used + 1 + columns(word) > kWidth) {
-                text_ += row + "\n";
-                row = std::string(kLabel, ' ');
-                used = kLabel;
-                fresh = true;
-            }
-            row += (fresh ? "" : " ") + word;
-            used += columns(word) + (fresh ? 0 : 1);
-            fresh = false;
-            at = end + 1;
-        }
-        text_ += row + "\n";
+        const std::string row = fmt::format("{:<{}}", label, kLabel);
+        text_ += row + wrapped(text, kWidth, kLabel, row.size()) + "\n";
     }
     const std::string& text() const { return text_; }
 
@@ -197,9 +175,10 @@ std::string voidsText(const Report& r, const DimensionWords& words) {
 void addTargets(Summary& out, const VoidReport& v) {
     if (v.targets.empty()) return;
     for (const TargetReport& t : v.targets)
-        out.line("", fmt::format("{:<7}{:.4g} of {:g} asked{}", t.symbol(), t.reached, t.asked,
-                                 t.scatter ? fmt::format(", standard deviation {:.2g}", *t.scatter)
-                                           : std::string()));
+        out.line(fmt::format("{:<11}{:<7}", "", t.symbol()),
+                 fmt::format("{:.4g} of {:g} asked{}", t.reached, t.asked,
+                             t.scatter ? fmt::format(", standard deviation {:.2g}", *t.scatter)
+                                       : std::string()));
     if (v.thicknessDistance && v.separationDistance)
         out.line("",
                  fmt::format("distributions: {:.2f} (local thickness) and {:.2f} (spacing) from "
@@ -289,12 +268,7 @@ void addChecks(Summary& out, const Report& r, const DimensionWords& words) {
 
 void addRun(Summary& out, const Report& r, const DimensionWords& words) {
     std::string seconds;
-    const std::pair<const char*, double> stages[] = {
-        {"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},
-        {"pack", r.seconds.pack},   {"densify", r.seconds.densify},
-        {"voids", r.seconds.voids}, {"measure", r.seconds.measure},
-        {"write", r.seconds.write}};
-    for (const auto& [name, value] : stages)
+    for (const auto& [name, value] : r.seconds.stages())
         if (value > 0) seconds += fmt::format("{} {:.2f}, ", name, value);
     const std::string processes = r.ranks > 1 ? fmt::format("{} processes of ", r.ranks) : "";
     out.line("seconds", seconds + fmt::format("total {:.2f} on {}{} thread{}", r.seconds.total,

@@ -36,19 +36,6 @@ void note(ProtrusionCheck& check, std::size_t i, double protrusion) {
     keepWorst(check.worst, ProtrudingSphere{i, protrusion}, protrudesMore);
 }
 
-}  // namespace
-
-ProtrusionCheck joined(ProtrusionCheck a, const ProtrusionCheck& b) {
-    a.max = std::max(a.max, b.max);
-    a.spheres += b.spheres;
-    a.centersOutside += b.centersOutside;
-    a.closed = a.closed && b.closed;
-    for (const auto& w : b.worst) keepWorst(a.worst, w, protrudesMore);
-    return a;
-}
-
-namespace {
-
 template <int Dim>
 void requirePlanes(const std::vector<HalfSpace<Dim>>& clips) {
     for (const auto& c : clips)
@@ -130,10 +117,9 @@ ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
     requirePlanes(clips);
     constexpr std::size_t kMostPieces = 150'000'000;  // bins count their entries in 32 bits
     if (pieces.size() > kMostPieces)
-        throw ResourceError(
-            fmt::format("wall: {} pieces are more than can be checked at once "
-                        "({}); simplify the mesh",
-                        pieces.size(), kMostPieces));
+        throw ResourceError(fmt::format(
+            "wall: {} pieces are more than can be checked at once ({}); simplify the mesh",
+            pieces.size(), kMostPieces));
     const WallTree<Dim> tree(std::move(pieces));
     const WallSides<Dim> sides(tree.pieces());
     const auto order = coherentOrder(spheres);
@@ -180,6 +166,15 @@ ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
 
 }  // namespace
 
+ProtrusionCheck joined(ProtrusionCheck a, const ProtrusionCheck& b) {
+    a.max = std::max(a.max, b.max);
+    a.spheres += b.spheres;
+    a.centersOutside += b.centersOutside;
+    a.closed = a.closed && b.closed;
+    for (const auto& w : b.worst) keepWorst(a.worst, w, protrudesMore);
+    return a;
+}
+
 ProtrusionCheck checkProtrusion(const std::vector<Sphere<3>>& spheres, const TriangleMesh& mesh,
                                 const std::vector<HalfSpace<3>>& clips,
                                 std::vector<double>* distances) {
@@ -189,10 +184,9 @@ ProtrusionCheck checkProtrusion(const std::vector<Sphere<3>>& spheres, const Tri
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
         for (const double c : mesh.vertices[i].c)
             if (!(std::abs(c) <= kLargestVerified))
-                throw InputError(
-                    fmt::format("mesh: vertex {} has the coordinate {}; the mesh is "
-                                "damaged, export it again",
-                                i, c));
+                throw InputError(fmt::format(
+                    "mesh: vertex {} has the coordinate {}; the mesh is damaged, export it again",
+                    i, c));
     return checkPieces<3>(spheres, std::move(pieces), clips, distances);
 }
 

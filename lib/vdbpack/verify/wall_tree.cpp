@@ -326,8 +326,8 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
         Four square;
     };
     std::array<Open, 64> stack;  // the tree halves, so its depth is below 32
-    std::size_t top = 0;
-    stack[top++] = {0, toBox(0)};
+    stack[0] = {0, toBox(0)};
+    std::size_t top = 1;
     while (top > 0) {
         const Open open = stack[--top];
         if (!any(open.square < bound)) continue;
@@ -346,8 +346,7 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
             alive = any(toNear < bound);
         }
         if (!alive) continue;
-        const Node& leaf = nodes_[at];
-        for (std::uint32_t k = leaf.first; k < leaf.first + leaf.count; ++k)
+        for (std::uint32_t k = nodes_[at].first; k < nodes_[at].first + nodes_[at].count; ++k)
             bound = smaller(bound, squaredDistanceTo<Four>(pieces_[k], x, bound));
     }
     Squares squares;

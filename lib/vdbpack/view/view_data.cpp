@@ -33,16 +33,12 @@ constexpr int kRampColors = 256;
 const std::array<std::string, 4> kColorNames{"radius", "region", "depth", "order"};
 
 std::string packedWords(const std::vector<std::uint32_t>& numbers) {
+    const bool wide =
+        std::any_of(numbers.begin(), numbers.end(), [](auto n) { return n >> 16 != 0; });
     std::string bytes;
-    const auto append = [&](int shift) {
-        for (const std::uint32_t n : numbers) {
+    for (const std::uint32_t n : numbers)
+        for (int shift = 0; shift < (wide ? 32 : 16); shift += 8)
             bytes += static_cast<char>(n >> shift & 255);
-            bytes += static_cast<char>(n >> (shift + 8) & 255);
-        }
-    };
-    append(0);
-    if (std::any_of(numbers.begin(), numbers.end(), [](auto n) { return n >> 16 != 0; }))
-        append(16);
     uLongf size = compressBound(static_cast<uLong>(bytes.size()));
     std::string packed(size, '\0');
     if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
@@ -62,14 +58,12 @@ Vec<3> inSpace(const Vec<2>& x) {
 
 /// Rows of the pack in order: all, or a random subset that is the same each time.
 std::vector<std::uint32_t> shownRows(std::size_t count, std::size_t most) {
-    std::vector<std::uint32_t> rows(count);
-    std::iota(rows.begin(), rows.end(), 0);
-    if (count <= most) return rows;
-    const auto key = [](std::uint32_t row) { return mix64(row + 0x9e3779b97f4a7c15ull); };
-    std::nth_element(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(most), rows.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-    rows.resize(most);
-    std::sort(rows.begin(), rows.end());
+    std::vector<std::uint32_t> rows;
+    RandomStream random(1, 0);
+    for (std::size_t i = 0; i < count && rows.size() < most; ++i)
+        if (random.uniform() * static_cast<double>(count - i) <
+            static_cast<double>(most - rows.size()))
+            rows.push_back(static_cast<std::uint32_t>(i));
     return rows;
 }
 
@@ -220,26 +214,19 @@ std::vector<Vec<2>> contourLines(const PlaneField& field) {
     };
     for (std::int64_t j = 0; j + 1 < field.rows; ++j)
         for (std::int64_t i = 0; i + 1 < field.columns; ++i) {
-            // The corners of a cell in turn around it.
+            // The corners of a cell in turn around it. Of four crossings, each line joins two that
+            // follow one another.
             const std::array<std::array<std::int64_t, 2>, 4> corners{
                 {{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j + 1}}};
-            std::array<Vec<2>, 4> crossings;
-            std::size_t n = 0;
             for (std::size_t k = 0; k < 4; ++k) {
                 const auto &a = corners[k], &b = corners[(k + 1) % 4];
                 const double da = distance(a[0], a[1]), db = distance(b[0], b[1]);
                 if ((da < 0) == (db < 0)) continue;
-                const double t = da / (da - db);
-                const auto along = [&](std::size_t d) {
+                const auto along = [&, t = da / (da - db)](std::size_t d) {
                     return (static_cast<double>(a[d]) + t * static_cast<double>(b[d] - a[d])) *
                            field.step;
                 };
-                crossings[n++] = field.origin + Vec<2>{{along(0), along(1)}};
-            }
-            // Of four crossings, each line joins two that follow one another.
-            for (std::size_t k = 0; k + 1 < n; k += 2) {
-                ends.push_back(crossings[k]);
-                ends.push_back(crossings[k + 1]);
+                ends.push_back(field.origin + Vec<2>{{along(0), along(1)}});
             }
         }
     return ends;

@@ -2,14 +2,13 @@
 (() => {
 // One view in its page: numbers are decoded, drawn, and turned by mouse, fingers and keys.
 
-/** Whole numbers of the facts: 16-bit words, the low ones of all numbers before any high ones. */
+/** Whole numbers of the facts, of 16 or 32 bits. */
 async function wholeNumbers({data, count}) {
   const letters = atob(data), bytes = new Uint8Array(letters.length);
   for (let i = 0; i < letters.length; ++i) bytes[i] = letters.charCodeAt(i);
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
-  const words = new Uint16Array(await new Response(stream).arrayBuffer());
-  if (words.length === count) return words;
-  return Uint32Array.from({length: count}, (_, i) => words[i] + 65536 * words[count + i]);
+  const buffer = await new Response(stream).arrayBuffer();
+  return new (buffer.byteLength > 2 * count ? Uint32Array : Uint16Array)(buffer);
 }
 
 /** A property of the spheres: a coordinate, the radius, or a column of the pack. */
@@ -18,28 +17,18 @@ class Property {
     Object.assign(this, facts);
     this.numbers = numbers;
     this.none = facts.whole ? -1 : 65535;  // stands for no number
-    this.least = Infinity;
-    this.most = -Infinity;
-    for (const n of numbers)
-      if (n !== this.none) {
-        if (n < this.least) this.least = n;
-        if (n > this.most) this.most = n;
-      }
+    const known = numbers.filter(n => n !== this.none);
+    this.least = known.reduce((least, n) => Math.min(least, n), Infinity);
+    this.most = known.reduce((most, n) => Math.max(most, n), -Infinity);
   }
-  valueOf(number) { return this.lo + this.step * number; }
-  /** The value of a sphere as text. */
+  /** The value of a sphere as text, with as many digits as the steps between values resolve. */
   textOf(i) {
-    const n = this.numbers[i];
+    const {lo, step, names, unit} = this, n = this.numbers[i], value = lo + step * n;
     if (n === this.none) return '–';
-    if (this.names) return this.names[this.valueOf(n)];
-    return this.format(n) + (this.unit ? ' ' + this.unit : '');
-  }
-  /** As many digits as the steps between values resolve. */
-  format(number) {
-    const value = this.valueOf(number);
-    if (this.whole) return String(value);
-    if (!(this.step > 0)) return String(Number(value.toPrecision(6)));
-    return value.toFixed(Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(this.step)))));
+    if (names) return names[value];
+    const text = this.whole ? value : !(step > 0) ? Number(value.toPrecision(6))
+      : value.toFixed(clamp(1 - Math.floor(Math.log10(step)), 0, 12));
+    return text + (unit && ' ' + unit);
   }
 }
 

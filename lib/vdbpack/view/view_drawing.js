@@ -31,10 +31,10 @@ class Drawing {
     this.fillSpheres(this.spheres, gl.RGBA32F, gl.FLOAT, scene.spheres);
     this.array = gl.createVertexArray();  // empty: vertices know their places by their numbers
     if (scene.wall) this.addWall(scene.wall);
+    this.work = null;
     // Pictures in full quality, before they are shown.
     this.target = {colors: gl.createTexture(), depths: gl.createTexture(),
       buffer: gl.createFramebuffer()};
-    this.work = null;
   }
   addWall({points, corners}) {
     const {gl} = this;
@@ -65,9 +65,7 @@ class Drawing {
     this.fill(texture, gl.NEAREST, format, WIDE, rows, 0, gl.RGBA, type, padded);
   }
   /** RGBA of each sphere. */
-  setColors(colors) {
-    this.fillSpheres(this.colors, this.gl.RGBA8, this.gl.UNSIGNED_BYTE, colors);
-  }
+  setColors(colors) { this.fillSpheres(this.colors, this.gl.RGBA8, this.gl.UNSIGNED_BYTE, colors); }
 
   /** A program with textures, and the camera and the cut of `look`; gives the places of its
    *  further numbers by name. */

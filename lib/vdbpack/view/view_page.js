@@ -66,11 +66,8 @@ class View {
     this.figure = figure;
     this.root = figure.querySelector('.view');
     this.canvas = this.part('canvas');
-    this.facts = facts;
-    this.rows = rows;
-    this.all = properties;
+    Object.assign(this, {facts, rows, scene, all: properties});
     this.properties = properties.slice(3);  // that give colors
-    this.scene = scene;
     this.gl = this.canvas.getContext('webgl2', {antialias: false, alpha: false,
       preserveDrawingBuffer: true, powerPreference: 'high-performance'});
     if (!this.gl) throw new Error('WebGL2 is not available');
@@ -85,7 +82,6 @@ class View {
     this.part('.view-color').replaceChildren(...this.properties.map(p => new Option(p.name)));
     this.part('.view-words').textContent = facts.words;
     this.part('.view-wall').classList.toggle('none', !scene.wall);
-    this.cut.face();
     this.resize();
     this.home();
     this.setColor(Math.max(0, this.properties.findIndex(p => p.name === facts.color)));
@@ -190,9 +186,8 @@ class View {
     this.change();
   }
   showLegend({colors, names, lo, least, most, unit, step, whole}) {
-    const bar = (background, kind = '') => {
-      const i = document.createElement('i');
-      i.className = kind;
+    const bar = (background, className = '') => {
+      const i = Object.assign(document.createElement('i'), {className});
       i.style.background = background;
       return i;
     };
@@ -269,9 +264,8 @@ class View {
   }
   /** Shares of the half sides of the canvas, y up. */
   shares(event) {
-    const box = this.canvas.getBoundingClientRect();
-    return [2 * (event.clientX - box.left) / box.width - 1,
-      1 - 2 * (event.clientY - box.top) / box.height];
+    const {clientWidth, clientHeight} = this.canvas;
+    return [2 * event.offsetX / clientWidth - 1, 1 - 2 * event.offsetY / clientHeight];
   }
   wheel(event) {
     // A page that scrolls keeps its wheel until the view is clicked.
@@ -325,9 +319,8 @@ class View {
   save() {
     this.drawBest();
     this.canvas.toBlob(blob => {
-      const link = document.createElement('a');
-      link.href = URL.createObjectURL(blob);
-      link.download = document.title.replace(/[^\w.-]+/g, '-') + '.png';
+      const link = Object.assign(document.createElement('a'), {href: URL.createObjectURL(blob),
+        download: document.title.replace(/[^\w.-]+/g, '-') + '.png'});
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 1000);
     });
@@ -338,8 +331,8 @@ class View {
   press(event) {
     this.canvas.focus({preventScroll: true});
     this.canvas.setPointerCapture(event.pointerId);
-    this.down.set(event.pointerId, [event.clientX, event.clientY]);
     this.pressed = [event.clientX, event.clientY];
+    this.down.set(event.pointerId, this.pressed);
     this.isClick = this.down.size === 1 && event.button === 0;
     event.preventDefault();
   }
@@ -369,8 +362,7 @@ class View {
   }
   release(event) {
     if (!this.down.delete(event.pointerId) || !this.isClick || event.type !== 'pointerup') return;
-    const box = this.canvas.getBoundingClientRect();
-    this.choose(this.at(event.clientX - box.left, event.clientY - box.top));
+    this.choose(this.at(event.offsetX, event.offsetY));
     this.isClick = false;
   }
 }
@@ -379,10 +371,8 @@ class View {
 function giveWay(figure, reason) {
   figure.querySelector('.view').hidden = true;
   figure.classList.remove('viewing');
-  const words = document.createElement('p');
-  words.className = 'words';
-  words.textContent = `This browser shows no view that can be turned: ${reason}.`;
-  figure.append(words);
+  figure.append(Object.assign(document.createElement('p'), {className: 'words',
+    textContent: `This browser shows no view that can be turned: ${reason}.`}));
 }
 
 async function startView(figure) {

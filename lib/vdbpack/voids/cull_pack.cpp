@@ -1,5 +1,4 @@
 // Spheres that voids remove, and what of the rest is connected.
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/measure/attached.h"
 #include "vdbpack/voids/cull.h"
@@ -11,8 +10,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 namespace vdbpack {
 
@@ -37,13 +34,72 @@ std::vector<Sphere<Dim>> wrappedInto(const PeriodicCell<Dim>& cell,
     return spheres;
 }
 
+/// Which spheres thinning keeps of those below the shell.
+/// @param fixed  number of the first spheres, which stay.
+template <int Dim>
+std::vector<std::uint8_t> keptByThinning(const VoidSetting<Dim>& s, const Thinning& thinning,
+                                         std::size_t fixed, const Pack<Dim>& pack,
+                                         VoidReport& report) {
+    auto candidates = pack.region;
+    std::fill_n(candidates.begin(), fixed, 0);
+    double all = 0;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+        if (pack.region[i]) all += Measure<Dim>::ball(pack.spheres[i].radius);
+    std::vector<std::uint8_t> keep;
+    const auto bvtvAt = [&](double fraction) {
+        fraction = std::max(fraction, 1e-6);
+        keep = thinning.by == Thinning::By::threshold
+                   ? removeLargest(pack.spheres, candidates, fraction)
+                   : removeAround(pack.spheres, candidates, fraction, s.seed, s.domain.cell());
+        double left = 0;
+        for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+            if (pack.region[i] && keep[i]) left += Measure<Dim>::ball(pack.spheres[i].radius);
+        return all > 0 ? left / all : 0.0;
+    };
+    report.ofSpheres = true;
+    report.totalVolume = regionOf(s).volume();
+    if (const auto target = thinning.targetBvtv)
+        report.amount =
+            solveForBvtv(s.recipe, 0, 1 - *target, 1, bvtvTolerance(s.recipe), "", bvtvAt);
+    else
+        report.amount = thinning.fraction;
+    report.bvtv = bvtvAt(*report.amount);
+    warnIfOff(s, report);
+    return keep;
+}
+
+/// How many spheres lie in the shell, and how many of them lie side by side across it.
+template <int Dim>
+void measureShell(const VoidSetting<Dim>& s, const ShellThickness& shell, const Pack<Dim>& pack,
+                  VoidReport& report) {
+    double mean = 0, thickness = 0;
+    std::uint64_t cortical = 0;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        if (pack.region[i]) continue;
+        mean += pack.spheres[i].radius;
+        thickness += shell.at(pack.spheres[i].center);
+        ++cortical;
+    }
+    mean = sumOver(s.ranks, mean);
+    thickness = sumOver(s.ranks, thickness);
+    cortical = sumOver(s.ranks, cortical);
+    report.cortical = cortical;
+    if (cortical == 0) return;
+    thickness = shell.isUniform() ? shell.most() : thickness / static_cast<double>(cortical);
+    report.across = thickness / (2 * mean / static_cast<double>(cortical));
+    if (*report.across < 3)
+        s.callbacks.warn(
+            fmt::format("the shell of {:.4g} mm is only {:.2g} {} thick; give smaller radii or a "
+                        "thicker shell, for a thickness of three or more",
+                        thickness, *report.across, Measure<Dim>::kSpheres));
+}
+
 }  // namespace
 
 template <int Dim>
 void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t standing,
               MadeVoids<Dim>& made, Pack<Dim>& pack) {
     const VoidRecipe& r = s.recipe;
-    const auto* thinning = r.as<Thinning>();
     if (r.empty() && !r.hasShell()) {
         pack.region.assign(pack.spheres.size(), 0);  // all compact
         return;
@@ -54,30 +110,8 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
     pack.region = deeperThan(pack.spheres, s.domain, shell);
     const std::size_t before = pack.spheres.size();
     std::vector<std::uint8_t> keep;
-    if (thinning) {
-        auto candidates = pack.region;
-        std::fill_n(candidates.begin(), std::min(standing, before), 0);
-        double all = 0;
-        for (std::size_t i = 0; i < before; ++i)
-            if (pack.region[i]) all += Measure<Dim>::ball(pack.spheres[i].radius);
-        const auto bvtvAt = [&](double fraction) {
-            fraction = std::max(fraction, 1e-6);
-            keep = thinning->by == Thinning::By::threshold
-                       ? removeLargest(pack.spheres, candidates, fraction)
-                       : removeAround(pack.spheres, candidates, fraction, s.seed, s.domain.cell());
-            double left = 0;
-            for (std::size_t i = 0; i < before; ++i)
-                if (pack.region[i] && keep[i]) left += Measure<Dim>::ball(pack.spheres[i].radius);
-            return all > 0 ? left / all : 0.0;
-        };
-        made.report.ofSpheres = true;
-        made.report.totalVolume = regionOf(s).volume();
-        if (const auto target = thinning->targetBvtv)
-            made.report.amount = solveForBvtv(r, 0, 1 - *target, 1, bvtvTolerance(r), "", bvtvAt);
-        else
-            made.report.amount = thinning->fraction;
-        made.report.bvtv = bvtvAt(*made.report.amount);
-        warnIfOff(s, made.report);
+    if (const auto* thinning = r.as<Thinning>()) {
+        keep = keptByThinning(s, *thinning, std::min(standing, before), pack, made.report);
     } else if (made.stamped && r.fill == Fill::domain) {
         const auto spheres = wrappedInto(s.domain.cell(), pack.spheres);
         keep = r.cull == Cull::touch
@@ -96,39 +130,15 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         keepOnly(pack, stay);
         made.report.dropped = count - pack.spheres.size();
     }
-    if (shell.any() && sumOver(s.ranks, std::uint64_t{pack.spheres.size()}) > 0) {
-        double mean = 0, thickness = 0;
-        std::uint64_t cortical = 0;
-        for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
-            if (pack.region[i]) continue;
-            mean += pack.spheres[i].radius;
-            thickness += shell.at(pack.spheres[i].center);
-            ++cortical;
-        }
-        mean = sumOver(s.ranks, mean);
-        thickness = sumOver(s.ranks, thickness);
-        cortical = sumOver(s.ranks, cortical);
-        made.report.cortical = cortical;
-        if (cortical > 0) {
-            thickness =
-                shell.isUniform() ? shell.most() : thickness / static_cast<double>(cortical);
-            made.report.across = thickness / (2 * mean / static_cast<double>(cortical));
-            if (*made.report.across < 3)
-                s.callbacks.warn(
-                    fmt::format("the shell of {:.4g} mm is only {:.2g} {} thick; give smaller "
-                                "radii or a thicker shell, for a thickness of three or more",
-                                thickness, *made.report.across, Measure<Dim>::kSpheres));
-        }
-    }
+    if (shell.any() && sumOver(s.ranks, std::uint64_t{pack.spheres.size()}) > 0)
+        measureShell(s, shell, pack, made.report);
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                          \
-    template std::vector<std::uint8_t> attachedToShell(const VoidSetting<Dim>&, double,   \
-                                                       const Pack<Dim>&, VoidReport&);    \
-    template void cullPack(const VoidSetting<Dim>&, double, std::size_t, MadeVoids<Dim>&, \
-                           Pack<Dim>&);
-VDBPACK_INSTANTIATE(2)
-VDBPACK_INSTANTIATE(3)
-#undef VDBPACK_INSTANTIATE
+template std::vector<std::uint8_t> attachedToShell(const VoidSetting<2>&, double, const Pack<2>&,
+                                                   VoidReport&);
+template void cullPack(const VoidSetting<2>&, double, std::size_t, MadeVoids<2>&, Pack<2>&);
+template std::vector<std::uint8_t> attachedToShell(const VoidSetting<3>&, double, const Pack<3>&,
+                                                   VoidReport&);
+template void cullPack(const VoidSetting<3>&, double, std::size_t, MadeVoids<3>&, Pack<3>&);
 
 }  // namespace vdbpack

@@ -52,10 +52,6 @@ Vec<Dim> inBall(RandomStream& random) {
     }
 }
 
-}  // namespace
-
-namespace {
-
 /// Of the spheres, in mean b: those that are packed as they lie have the volume of their
 /// ellipsoids.
 template <int Dim>

@@ -104,11 +104,9 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
     return result;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                        \
-    template PackResult<Dim> packWithHoles(const VoidSetting<Dim>&, const PackOptions&, \
-                                           const std::vector<Sphere<Dim>>&, MadeVoids<Dim>&);
-VDBPACK_INSTANTIATE(2)
-VDBPACK_INSTANTIATE(3)
-#undef VDBPACK_INSTANTIATE
+template PackResult<2> packWithHoles(const VoidSetting<2>&, const PackOptions&,
+                                     const std::vector<Sphere<2>>&, MadeVoids<2>&);
+template PackResult<3> packWithHoles(const VoidSetting<3>&, const PackOptions&,
+                                     const std::vector<Sphere<3>>&, MadeVoids<3>&);
 
 }  // namespace vdbpack

@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -151,10 +150,9 @@ private:
 template <int Dim>
 Vec<Dim> parseAxis(const std::string& text) {
     const auto fail = [&](const std::string& what) {
-        throw ParameterError(
-            fmt::format("`orientation.axis` '{}': {}; write {} with finite numbers that "
-                        "are not all zero",
-                        text, what, Dim == 3 ? "X,Y,Z" : "X,Y"));
+        throw ParameterError(fmt::format(
+            "`orientation.axis` '{}': {}; write {} with finite numbers that are not all zero", text,
+            what, Dim == 3 ? "X,Y,Z" : "X,Y"));
     };
     const auto numbers = parts(text, ',');
     if (numbers.size() != 3 && numbers.size() != Dim)
@@ -183,15 +181,13 @@ std::shared_ptr<const Orientation<Dim>> makeOrientation(const OrientationRecipe&
     if (fixed && varying)
         throw ParameterError(
             fmt::format("`orientation.axis` '{}' and `orientation.field` '{}' both define the "
-                        "direction; leave one "
-                        "of them out",
+                        "direction; leave one of them out",
                         recipe.axis, recipe.field));
     Scatter<Dim> scatter(recipe.angles);
     if (scatter.isotropic() && (fixed || varying))
         throw ParameterError(
             fmt::format("`orientation.angles` 'isotropic' ignores `orientation.{}` '{}'; write the "
-                        "scatter about "
-                        "it as {}, or leave one of them out",
+                        "scatter about it as {}, or leave one of them out",
                         fixed ? "axis" : "field", fixed ? recipe.axis : recipe.field,
                         Dim == 3 ? "tz=SPEC;tx=SPEC" : "phi=SPEC"));
     if (fixed)

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace vdbpack {
@@ -137,10 +136,9 @@ std::shared_ptr<const ScalarField> readScalarField(const std::string& file,
     if (!(scale > 0) || !std::isfinite(scale))
         throw ParameterError(fmt::format("{}: scale {} must be positive and finite", file, scale));
     if (!namesScalarField(file))
-        throw ParameterError(
-            fmt::format("{}: '{}' is not a type of field of {}; give a .vdb file or a table as "
-                        ".csv",
-                        file, extensionOf(file), meaning.name));
+        throw ParameterError(fmt::format(
+            "{}: '{}' is not a type of field of {}; give a .vdb file or a table as .csv", file,
+            extensionOf(file), meaning.name));
     if (extensionOf(file) == ".vdb") return std::make_shared<GridNumbers>(file, scale, meaning);
     return readTable(file, meaning, scale);
 }

@@ -12,13 +12,11 @@ namespace vdbpack {
 namespace {
 
 std::shared_ptr<const ScalarField> readShell(const VoidRecipe& recipe) {
-    const ScalarMeaning meaning{"thickness", {"value", "thickness", "shell"}, [](double v) {
-                                    return v >= 0 ? std::string()
-                                                  : fmt::format(
-                                                        "the thickness {:g} mm must not be "
-                                                        "negative",
-                                                        v);
-                                }};
+    const ScalarMeaning meaning{
+        "thickness", {"value", "thickness", "shell"}, [](double v) {
+            return v >= 0 ? std::string()
+                          : fmt::format("the thickness {:g} mm must not be negative", v);
+        }};
     return readScalarField(recipe.shellField, meaning);
 }
 

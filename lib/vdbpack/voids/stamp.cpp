@@ -18,7 +18,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string>
 #include <utility>
 
 namespace vdbpack {
@@ -328,16 +327,15 @@ StampedVoids<Dim>::Sampler::Sampler(const StampedVoids& voids)
     : sample_(*voids.impl_->grid, voids.impl_->origin, voids.impl_->voxelSize,
               voids.impl_->outside) {}
 
-template double joinedDistance(const std::vector<const Ellipsoid<2>*>&, const Vec<2>&,
-                               const VoidJoin&);
-template double joinedDistance(const std::vector<const Ellipsoid<3>*>&, const Vec<3>&,
-                               const VoidJoin&);
-template class StampedVoids<2>;
-template class StampedVoids<3>;
-template std::shared_ptr<const StampedVoids<2>> stampVoids(const std::vector<Ellipsoid<2>>&,
-                                                           const Domain<2>&, const StampOptions<2>&,
-                                                           const Callbacks&);
-template std::shared_ptr<const StampedVoids<3>> stampVoids(const std::vector<Ellipsoid<3>>&,
-                                                           const Domain<3>&, const StampOptions<3>&,
-                                                           const Callbacks&);
+#define VDBPACK_INSTANTIATE(Dim)                                                               \
+    template double joinedDistance(const std::vector<const Ellipsoid<Dim>*>&, const Vec<Dim>&, \
+                                   const VoidJoin&);                                           \
+    template class StampedVoids<Dim>;                                                          \
+    template std::shared_ptr<const StampedVoids<Dim>> stampVoids(                              \
+        const std::vector<Ellipsoid<Dim>>&, const Domain<Dim>&, const StampOptions<Dim>&,      \
+        const Callbacks&);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
+
 }  // namespace vdbpack

@@ -175,11 +175,10 @@ std::optional<double> thicknessOf(const VoidSetting<2>& s, MadeVoids<2>& made, c
 template <int Dim>
 void requireFitting(const VoidSetting<Dim>& s, double halfAxis) {
     if (const double cell = s.domain.cell().shortest(); 2 * halfAxis > cell * (1 + 1e-9))
-        throw ParameterError(
-            fmt::format("voids with half-axes of up to {:.4g} mm would overlap their own images in "
-                        "the periodic cell, which is {:.4g} mm long; give smaller ones or a longer "
-                        "cell",
-                        halfAxis, cell));
+        throw ParameterError(fmt::format(
+            "voids with half-axes of up to {:.4g} mm would overlap their own images in the "
+            "periodic cell, which is {:.4g} mm long; give smaller ones or a longer cell",
+            halfAxis, cell));
     if (const double longest = longestSide(s); 2 * halfAxis > longest * (1 + 1e-9))
         throw ParameterError(
             fmt::format("voids with half-axes of up to {:.4g} mm are larger than the domain, which "
@@ -191,8 +190,8 @@ template <int Dim>
 void checkRoom(const VoidSetting<Dim>& s, bool early) {
     if (!(regionOf(s).volume() > 1e-9 * s.domain.volume()))
         throw InputError(
-            fmt::format("`{}` {} mm: no part of the domain lies deeper than the shell; its "
-                        "deepest point lies {:.4g} mm below the wall; give a thinner shell",
+            fmt::format("`{}` {} mm: no part of the domain lies deeper than the shell; its deepest "
+                        "point lies {:.4g} mm below the wall; give a thinner shell",
                         s.localShell.isUniform() ? "shell" : "shellField", shellOf(s).most(),
                         largestBall(s.domain).radius));
     if (!s.recipe.makesVoids()) return;

@@ -15,7 +15,6 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <utility>
 
 namespace vdbpack {
 
@@ -36,71 +35,6 @@ double sixDigits(double x) {
     const double scale = std::pow(10, 5 - std::floor(std::log10(x)));
     return std::round(x * scale) / scale;
 }
-
-}  // namespace
-
-template <int Dim>
-std::shared_ptr<const typename FoamPacks<Dim>::Entry> FoamPacks<Dim>::get(
-    const SizeDistribution& sizes, const Vec<Dim>& half, const std::array<bool, Dim>& wraps,
-    std::uint64_t seed, const Callbacks& callbacks) {
-    for (const auto& entry : entries)
-        if (entry->seed == seed && entry->sizes == sizes.spec() && entry->pack.fills(half, wraps))
-            return entry;
-    entries.push_back(std::make_shared<const Entry>(
-        Entry{sizes.spec(), seed, foamPack<Dim>(sizes, half, seed, callbacks, wraps)}));
-    return entries.back();
-}
-
-template <int Dim>
-VoidRegion<Dim> regionOf(const VoidSetting<Dim>& s) {
-    return {s.domain, shellOf(s)};
-}
-
-SizeDistribution defaultVoidRadius(double largestSphere) {
-    return SizeDistribution::uniform(sixDigits(kDefaultHole[0] * largestSphere),
-                                     sixDigits(kDefaultHole[1] * largestSphere));
-}
-
-template <int Dim>
-SizeDistribution voidRadii(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
-    const SizeRequest& asked = shapeOf(s.recipe)->radius;
-    if (!asked.empty()) return asked.in(Dim);
-    const SizeDistribution radii = defaultVoidRadius(s.largestRadius);
-    if (chosen)
-        chosen->push_back(
-            fmt::format("void radii {} mm, 1.5 to 2.5 times the largest sphere", radii.spec()));
-    return radii;
-}
-
-template <int Dim>
-VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
-    const VoidShapeRecipe& asked = *shapeOf(s.recipe);
-    const bool foam = std::holds_alternative<FoamVoids>(s.recipe.method);
-    const auto* holes = std::get_if<FrontHoles>(&s.recipe.method);
-    const bool directed = asked.orientation.any();
-    // A foam without a direction has none.
-    const bool ball = (holes && holes->as == FrontHoles::As::spheres) ||
-                      (foam && !directed && asked.aspect.empty());
-    OrientationRecipe orientation = asked.orientation;
-    if (!directed) {
-        const bool isotropic = foam || std::holds_alternative<BooleanVoids>(s.recipe.method);
-        orientation.angles = isotropic || ball ? "isotropic" : Dim == 3 ? kPaperCone : kPaperTilt;
-        if (chosen && !ball)
-            chosen->push_back(fmt::format("void directions {}", orientation.angles));
-    }
-    SizeRequest aspect = asked.aspect;
-    if (ball) aspect = SizeDistribution::constant(1);
-    if (aspect.empty()) {
-        aspect = SizeDistribution::constant(foam ? 1.4 : 2);
-        if (chosen)
-            chosen->push_back(foam ? "voids 1.4 times as long as wide"
-                                   : "voids twice as long as wide");
-    }
-    return {voidRadii(s, chosen).scaled(asked.radiusFactor), aspect.in(Dim),
-            makeOrientation<Dim>(orientation, s.domain.bounds(), s.sliceHeight)};
-}
-
-namespace {
 
 /// Where less is wanted, voids are as many as leave this share.
 constexpr double kSparsestBvtv = 0.005;
@@ -142,8 +76,7 @@ VoidFamily<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string
     if (s.domain.cell().shortest() < 2 * kCellDiameters * options.sizes.max())
         throw InputError(
             fmt::format("the periodic cell is {:.6g} mm long, less than {:g} times the largest "
-                        "void, {:.6g} mm. "
-                        "Give a longer cell or smaller voids",
+                        "void, {:.6g} mm. Give a longer cell or smaller voids",
                         s.domain.cell().shortest(), kCellDiameters, 2 * options.sizes.max()));
     const auto core = coreDomain(s.domain, s.recipe.shell);
     const double expected = 0.6 * regionOf(s).volume() / options.sizes.meanBall(Dim);
@@ -248,6 +181,67 @@ VoidFamily<Dim> gridFamily(const VoidSetting<Dim>& s, const GridVoids& grid,
 }
 
 }  // namespace
+
+template <int Dim>
+std::shared_ptr<const typename FoamPacks<Dim>::Entry> FoamPacks<Dim>::get(
+    const SizeDistribution& sizes, const Vec<Dim>& half, const std::array<bool, Dim>& wraps,
+    std::uint64_t seed, const Callbacks& callbacks) {
+    for (const auto& entry : entries)
+        if (entry->seed == seed && entry->sizes == sizes.spec() && entry->pack.fills(half, wraps))
+            return entry;
+    entries.push_back(std::make_shared<const Entry>(
+        Entry{sizes.spec(), seed, foamPack<Dim>(sizes, half, seed, callbacks, wraps)}));
+    return entries.back();
+}
+
+template <int Dim>
+VoidRegion<Dim> regionOf(const VoidSetting<Dim>& s) {
+    return {s.domain, shellOf(s)};
+}
+
+SizeDistribution defaultVoidRadius(double largestSphere) {
+    return SizeDistribution::uniform(sixDigits(kDefaultHole[0] * largestSphere),
+                                     sixDigits(kDefaultHole[1] * largestSphere));
+}
+
+template <int Dim>
+SizeDistribution voidRadii(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
+    const SizeRequest& asked = shapeOf(s.recipe)->radius;
+    if (!asked.empty()) return asked.in(Dim);
+    const SizeDistribution radii = defaultVoidRadius(s.largestRadius);
+    if (chosen)
+        chosen->push_back(
+            fmt::format("void radii {} mm, 1.5 to 2.5 times the largest sphere", radii.spec()));
+    return radii;
+}
+
+template <int Dim>
+VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
+    const VoidShapeRecipe& asked = *shapeOf(s.recipe);
+    const bool foam = std::holds_alternative<FoamVoids>(s.recipe.method);
+    const auto* holes = std::get_if<FrontHoles>(&s.recipe.method);
+    const bool directed = asked.orientation.any();
+    // A foam without a direction has none.
+    const bool ball = (holes && holes->as == FrontHoles::As::spheres) ||
+                      (foam && !directed && asked.aspect.empty());
+    OrientationRecipe orientation = asked.orientation;
+    if (!directed) {
+        const bool isotropic = foam || std::holds_alternative<BooleanVoids>(s.recipe.method);
+        orientation.angles = isotropic || ball ? "isotropic" : Dim == 3 ? kPaperCone : kPaperTilt;
+        if (chosen && !ball)
+            chosen->push_back(fmt::format("void directions {}", orientation.angles));
+    }
+    SizeRequest aspect = asked.aspect;
+    if (ball) aspect = SizeDistribution::constant(1);
+    if (aspect.empty()) {
+        aspect = SizeDistribution::constant(foam ? 1.4 : 2);
+        if (chosen)
+            chosen->push_back(foam ? "voids 1.4 times as long as wide"
+                                   : "voids twice as long as wide");
+    }
+    return {voidRadii(s, chosen).scaled(asked.radiusFactor), aspect.in(Dim),
+            makeOrientation<Dim>(orientation, s.domain.bounds(), s.sliceHeight)};
+}
 
 template <int Dim>
 double meanBvtv(const VoidSetting<Dim>& s) {

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 namespace vdbpack {
 
@@ -26,6 +25,23 @@ void keepMarked(const std::vector<std::uint8_t>& marked, std::vector<Ellipsoid<D
     for (std::size_t i = 0; i < voids.size(); ++i)
         if (marked[i]) voids[kept++] = voids[i];
     voids.resize(kept);
+}
+
+/// The largest ellipsoid of revolution with its axes along the sides of a box.
+template <int Dim>
+Ellipsoid<Dim> inscribed(const Vec<Dim>& sides) {
+    Ellipsoid<Dim> best;
+    for (int along = 0; along < Dim; ++along) {
+        double across = std::numeric_limits<double>::infinity();
+        for (int d = 0; d < Dim; ++d)
+            if (d != along) across = std::min(across, sides[d]);
+        Ellipsoid<Dim> e;
+        e.a = 0.5 * sides[along];
+        e.b = 0.5 * across;
+        e.axis[along] = 1;
+        if (e.volume() > best.volume() * (1 + 1e-12)) best = e;
+    }
+    return best;
 }
 
 }  // namespace
@@ -139,27 +155,6 @@ VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::vector<double>& 
     }
     return lattice;
 }
-
-namespace {
-
-/// The largest ellipsoid of revolution with its axes along the sides of a box.
-template <int Dim>
-Ellipsoid<Dim> inscribed(const Vec<Dim>& sides) {
-    Ellipsoid<Dim> best;
-    for (int along = 0; along < Dim; ++along) {
-        double across = std::numeric_limits<double>::infinity();
-        for (int d = 0; d < Dim; ++d)
-            if (d != along) across = std::min(across, sides[d]);
-        Ellipsoid<Dim> e;
-        e.a = 0.5 * sides[along];
-        e.b = 0.5 * across;
-        e.axis[along] = 1;
-        if (e.volume() > best.volume() * (1 + 1e-12)) best = e;
-    }
-    return best;
-}
-
-}  // namespace
 
 template <int Dim>
 std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>& region,

@@ -85,10 +85,10 @@ std::optional<Vec<Dim>> readAxis(const NumberTable& table, const AxisColumns& co
     } else {
         if (std::fabs((*axis)[2]) <= kAngleTolerance) return unit(Vec<2>{{(*axis)[0], (*axis)[1]}});
         if (!isBall)
-            table.failRow(fmt::format(
-                "axis ({:.6g}, {:.6g}, {:.6g}) leaves the plane; voids of the plane have uz = 0 "
-                "and theta_x = pi/2",
-                (*axis)[0], (*axis)[1], (*axis)[2]));
+            table.failRow(
+                fmt::format("axis ({:.6g}, {:.6g}, {:.6g}) leaves the plane; voids of the plane "
+                            "have uz = 0 and theta_x = pi/2",
+                            (*axis)[0], (*axis)[1], (*axis)[2]));
         return std::nullopt;
     }
 }
@@ -144,17 +144,16 @@ std::vector<Ellipsoid<Dim>> readVoidList(const std::string& file, double scale) 
         e.a = table.number(a) * scale;
         e.b = table.number(b) * scale;
         if (!(e.a > 0) || !(e.b > 0) || !std::isfinite(e.a) || !std::isfinite(e.b))
-            table.failRow(
-                fmt::format("half-axes a = {} and b = {} must be positive; correct or remove the "
-                            "row",
-                            table.number(a), table.number(b)));
+            table.failRow(fmt::format(
+                "half-axes a = {} and b = {} must be positive; correct or remove the row",
+                table.number(a), table.number(b)));
         if (!isFinite(e.center)) table.failRow("center is not finite in mm; check the unit");
         const auto axis = readAxis<Dim>(table, columns, e.a == e.b);
         if (!axis && e.a != e.b)
-            table.failRow(fmt::format(
-                "a = {} and b = {} differ, but the direction of a is missing; give theta_z,theta_x "
-                "or ux,uy,uz",
-                table.number(a), table.number(b)));
+            table.failRow(
+                fmt::format("a = {} and b = {} differ, but the direction of a is missing; give "
+                            "theta_z,theta_x or ux,uy,uz",
+                            table.number(a), table.number(b)));
         e.axis[Dim == 3 ? 2 : 0] = 1;
         if (axis) e.axis = *axis;
         e.id = readId(table, id, voids.size());

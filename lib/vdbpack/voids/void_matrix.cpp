@@ -34,10 +34,9 @@ std::size_t readRow(const InputFile& file, std::string_view line,
         cells.push_back(c == '1' ? 1 : 0);
     }
     if (cells.size() == before)
-        throw InputError(
-            fmt::format("{}: line {}: '{}' has no 0 or 1; write the cells of the "
-                        "row or remove the line",
-                        file.path(), file.lineNumber(), line.substr(0, kShown)));
+        throw InputError(fmt::format(
+            "{}: line {}: '{}' has no 0 or 1; write the cells of the row or remove the line",
+            file.path(), file.lineNumber(), line.substr(0, kShown)));
     return cells.size() - before;
 }
 
@@ -52,10 +51,10 @@ VoidMatrix readVoidMatrix(const std::string& path) {
         if (row == 0) return;
         if (layers++ == 0) rows = row;
         if (row != rows)
-            throw InputError(fmt::format(
-                "{}: line {}: layer {} has {} rows, but the first layer has {}; give all "
-                "layers as many rows, with a blank line between layers",
-                path, lastLine, layers, row, rows));
+            throw InputError(
+                fmt::format("{}: line {}: layer {} has {} rows, but the first layer has {}; give "
+                            "all layers as many rows, with a blank line between layers",
+                            path, lastLine, layers, row, rows));
         row = 0;
     };
     std::string_view line;

@@ -107,8 +107,8 @@ struct MethodCheck {
         require("targetConnd", t.connd, t.connd && *t.connd > 0 && std::isfinite(*t.connd),
                 "be above 0, in 1/mm³");
         require("targetDa", t.da, t.da && *t.da >= 0 && *t.da < 1,
-                "lie in [0, 1): 1 - (short / long)² of the mean intercept lengths. From a ratio "
-                "R = long / short of other programs it is 1 - 1 / R²");
+                "lie in [0, 1): 1 - (short / long)² of the mean intercept lengths. From a ratio R "
+                "= long / short of other programs it is 1 - 1 / R²");
         requireConsistent(m);
         if (m.shape.radius.empty() && !hasSpheres && !t.scale() && m.like.file.empty())
             throw ParameterError(
@@ -117,9 +117,7 @@ struct MethodCheck {
     }
     void operator()(const Thinning& m) const {
         if (!hasSpheres)
-            fail(
-                "removes spheres, and this run has none; choose grid, overlay or "
-                "boolean here");
+            fail("removes spheres, and this run has none; choose grid, overlay or boolean here");
         requireShare("deleteFraction", m.fraction, false, true);
         requireOneAmount("deleteFraction", m.fraction.has_value(), m.targetBvtv);
         if (!m.fraction && !m.targetBvtv) fail("needs `deleteFraction` or `targetBvtv`");
@@ -127,8 +125,8 @@ struct MethodCheck {
     void operator()(const FrontHoles& m) const {
         if (!hasFront)
             fail(
-                "makes its voids during packing, and this run packs nothing; choose "
-                "overlay or boolean here");
+                "makes its voids during packing, and this run packs nothing; choose overlay or "
+                "boolean here");
         requireShare("voids.probability", m.probability, true, false);
         requireOneAmount("voids.probability", m.probability.has_value(), m.targetBvtv);
     }
@@ -221,8 +219,7 @@ void checkVoids(const VoidRecipe& r, bool hasSpheres, bool hasFront) {
     requireNotNegative("voids.shell", r.shell);
     if (!r.shellField.empty() && r.shell > 0)
         throw ParameterError(
-            "`voids.shell` and `shellField` both set the thickness of the shell; "
-            "give one of them");
+            "`voids.shell` and `shellField` both set the thickness of the shell; give one of them");
     if (!r.shellField.empty() && (r.as<OverlayVoids>() || r.as<FrontHoles>()))
         throw ParameterError("`shellField`: `voids` " + nameOf(r) +
                              " need a shell of one thickness; use `shell`, or voids that are cut "

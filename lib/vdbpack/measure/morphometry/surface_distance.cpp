@@ -231,6 +231,64 @@ void forEachLine(const Lattice& lattice, std::size_t axis, const Load& load, con
     });
 }
 
+/// Finds the nearest of the points on edges along one axis, and keeps it where it is nearer than
+/// those of other axes.
+class NearestPoints {
+public:
+    NearestPoints(const VoxelImage& image, const Lattice& lattice, SurfaceDistance& result)
+        : lattice_(lattice),
+          result_(result),
+          square_(image.voxels()),
+          best_(image.voxels(), kFar),
+          index_(image.voxels()) {
+        result.nearest.assign(image.voxels(), kNone);
+    }
+
+    /// @param start  the first point of each slice.
+    void addAxis(const Crossings& crossings, std::size_t axis,
+                 const std::vector<std::size_t>& start) {
+        parallelFor(std::size_t{0}, lattice_.size[2], [&](std::size_t z) {
+            std::fill_n(index_.begin() + static_cast<std::ptrdiff_t>(z * lattice_.stride[2]),
+                        lattice_.stride[2], kNone);
+            std::size_t next = start[z];
+            crossings.forEachInSlice(
+                axis, z, [&](std::size_t voxel, std::size_t x, std::size_t y, std::size_t zz) {
+                    result_.points[next] = crossings.point(axis, voxel, x, y, zz);
+                    index_[voxel] = static_cast<std::uint32_t>(next++);
+                });
+        });
+        const auto loadIndex = [&](Line& line, std::size_t i, std::size_t voxel) {
+            line.index[i] = index_[voxel];
+        };
+        const auto load = [&](Line& line, std::size_t i, std::size_t voxel) {
+            line.square[i] = square_[voxel];
+            line.index[i] = index_[voxel];
+        };
+        const auto store = [&](const Line& line, std::size_t i, std::size_t voxel) {
+            square_[voxel] = line.square[i];
+            index_[voxel] = line.index[i];
+        };
+        const auto keepNearer = [&](const Line& line, std::size_t i, std::size_t voxel) {
+            if (line.square[i] < best_[voxel]) {
+                best_[voxel] = line.square[i];
+                result_.nearest[voxel] = line.index[i];
+            }
+        };
+        forEachLine(
+            lattice_, axis, loadIndex,
+            [&](Line& line) { line.nearestOnLine(result_.points, axis); }, store);
+        const auto envelope = [](Line& line) { line.envelope(); };
+        forEachLine(lattice_, axis == 0 ? 1 : 0, load, envelope, store);
+        forEachLine(lattice_, axis == 2 ? 1 : 2, load, envelope, keepNearer);
+    }
+
+private:
+    const Lattice& lattice_;
+    SurfaceDistance& result_;
+    std::vector<float> square_, best_;
+    std::vector<std::uint32_t> index_;
+};
+
 }  // namespace
 
 SurfaceDistance surfaceDistance(const VoxelImage& image) {
@@ -269,47 +327,10 @@ SurfaceDistance surfaceDistance(const VoxelImage& image) {
             total));
     result.points.resize(total);
 
-    const std::size_t voxels = image.voxels();
-    std::vector<float> square(voxels), best(voxels, kFar);
-    std::vector<std::uint32_t> index(voxels);
-    result.nearest.assign(voxels, kNone);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (start[axis].back() == start[axis].front()) continue;
-        parallelFor(std::size_t{0}, slices, [&](std::size_t z) {
-            std::fill_n(index.begin() + static_cast<std::ptrdiff_t>(z * lattice.stride[2]),
-                        lattice.stride[2], kNone);
-            std::size_t next = start[axis][z];
-            crossings.forEachInSlice(
-                axis, z, [&](std::size_t voxel, std::size_t x, std::size_t y, std::size_t zz) {
-                    result.points[next] = crossings.point(axis, voxel, x, y, zz);
-                    index[voxel] = static_cast<std::uint32_t>(next++);
-                });
-        });
-        const auto loadIndex = [&](Line& line, std::size_t i, std::size_t voxel) {
-            line.index[i] = index[voxel];
-        };
-        const auto load = [&](Line& line, std::size_t i, std::size_t voxel) {
-            line.square[i] = square[voxel];
-            line.index[i] = index[voxel];
-        };
-        const auto store = [&](const Line& line, std::size_t i, std::size_t voxel) {
-            square[voxel] = line.square[i];
-            index[voxel] = line.index[i];
-        };
-        const auto keepNearer = [&](const Line& line, std::size_t i, std::size_t voxel) {
-            if (line.square[i] < best[voxel]) {
-                best[voxel] = line.square[i];
-                result.nearest[voxel] = line.index[i];
-            }
-        };
-        forEachLine(
-            lattice, axis, loadIndex, [&](Line& line) { line.nearestOnLine(result.points, axis); },
-            store);
-        const std::size_t second = axis == 0 ? 1 : 0, third = axis == 2 ? 1 : 2;
-        const auto envelope = [](Line& line) { line.envelope(); };
-        forEachLine(lattice, second, load, envelope, store);
-        forEachLine(lattice, third, load, envelope, keepNearer);
-    }
+    NearestPoints nearest(image, lattice, result);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (start[axis].back() != start[axis].front())
+            nearest.addAxis(crossings, axis, start[axis]);
     return result;
 }
 

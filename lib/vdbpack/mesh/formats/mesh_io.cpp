@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <new>
 #include <set>
-#include <string_view>
 #include <system_error>
 #include <utility>
 

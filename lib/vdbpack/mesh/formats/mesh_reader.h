@@ -70,8 +70,7 @@ private:
 };
 
 /// Splits a polygon into a fan from its first corner, corner by corner, until all vertices are
-/// known
-/// (`splitPolygons`).
+/// known (`splitPolygons`).
 struct PolygonFan {
     std::uint32_t first = 0;
     std::uint32_t last = 0;
@@ -103,8 +102,7 @@ struct TriangleStrip {
     }
 };
 
-/// Replaces the fans of polygons that are not covered once by them; sets
-/// `reader.crossed`.
+/// Replaces the fans of polygons that are not covered once by them; sets `reader.crossed`.
 void splitPolygons(MeshReader& reader);
 
 /// Words of a text file, across its lines.

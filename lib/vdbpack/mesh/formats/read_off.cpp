@@ -106,8 +106,7 @@ void readOffMesh(MeshReader& reader) {
         readFace(reader, takeLine(i, counts.faces, "faces"), i, counts.vertices);
     if (takeOffLine(file, line))
         file.failAtLine(fmt::format(
-            "the file continues after the {} vertices and {} faces announced; its counts "
-            "are wrong",
+            "the file continues after the {} vertices and {} faces announced; its counts are wrong",
             counts.vertices, counts.faces));
 }
 

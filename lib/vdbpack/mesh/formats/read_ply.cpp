@@ -25,10 +25,8 @@ public:
         // A list in text ends with the words that are there.
         if (n < 0 || (!isText() &&
                       static_cast<std::uint64_t>(n) > file_.remaining() / bytesOf(property.type)))
-            fail(
-                fmt::format("list of {} values, more than the file holds; it is truncated or "
-                            "broken",
-                            n));
+            fail(fmt::format(
+                "list of {} values, more than the file holds; it is truncated or broken", n));
         return static_cast<std::uint64_t>(n);
     }
     void skip(const PlyProperty& property) {

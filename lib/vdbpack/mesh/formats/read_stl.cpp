@@ -20,11 +20,11 @@ void readBinaryStl(MeshReader& reader, Welder& welder) {
     const std::uint64_t count =
         header != nullptr ? loadLittleEndian<std::uint32_t>(header + kStlHeader - 4) : 0;
     if (header == nullptr || kStlHeader + kStlTriangle * count != file.size())
-        file.fail(fmt::format(
-            "is not a complete STL file: {} bytes, where a binary one with the {} triangles "
-            "announced "
-            "has {}, and an ASCII one begins with 'solid'; it may be truncated, export it again",
-            file.size(), count, kStlHeader + kStlTriangle * count));
+        file.fail(
+            fmt::format("is not a complete STL file: {} bytes, where a binary one with the {} "
+                        "triangles announced has {}, and an ASCII one begins with 'solid'; it may "
+                        "be truncated, export it again",
+                        file.size(), count, kStlHeader + kStlTriangle * count));
     reader.mesh.triangles.reserve(count);
     for (std::uint64_t i = 0; i < count; ++i) {
         const std::uint64_t offset = file.offset();
@@ -54,10 +54,8 @@ void readAsciiStl(MeshReader& reader, Welder& welder) {
         const auto word = words.next();
         if (equalsNoCase(word, keyword)) return;
         if (word.empty())
-            file.failAtLine(
-                fmt::format("the file ends where '{}' is expected; it is truncated, "
-                            "export it again",
-                            keyword));
+            file.failAtLine(fmt::format(
+                "the file ends where '{}' is expected; it is truncated, export it again", keyword));
         file.failAtLine(fmt::format("'{}' expected, found {}", keyword, quotedExcerpt(word)));
     };
     expect("solid");

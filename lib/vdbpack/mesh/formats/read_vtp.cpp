@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 namespace vdbpack {
 

@@ -4,11 +4,13 @@
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/pack/front/block_spheres.h"
 #include "vdbpack/pack/front/cell_list.h"
 #include "vdbpack/pack/front/front_settings.h"
 #include "vdbpack/pack/front/local_lengths.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -64,6 +66,20 @@ struct BlockState {
         for (int d = 0; d < Dim; ++d)
             if (!(own.lo[d] <= x[d] && x[d] < own.hi[d] + beyond)) return false;
         return true;
+    }
+
+    /// The neighbor block (`neighborBit`) that holds a point outside this one; 0 if all of it lies
+    /// behind the front.
+    std::uint32_t neighborAt(const Vec<Dim>& x) const {
+        std::array<int, Dim> offset;
+        bool ahead = false;
+        for (int d = 0; d < Dim; ++d) {
+            // The faces of the block itself: 0 and own.hi.
+            offset[static_cast<std::size_t>(d)] = x[d] < 0 ? -1 : x[d] < own.hi[d] ? 0 : 1;
+            ahead = ahead || x[d] >= own.hi[d];
+        }
+        const std::uint32_t bit = neighborBit(offset);
+        return ahead || (laterBehind & bit) != 0 ? bit : 0;
     }
 
     Vec<Dim> snapped(const Vec<Dim>& x) const {

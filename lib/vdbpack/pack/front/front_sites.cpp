@@ -21,44 +21,11 @@ constexpr float kWallCrowd = 1.1f;
 /// Most bodies near a site.
 constexpr double kMostNear = 14;
 
-/// In place of a block to come.
-constexpr std::uint32_t kDone = 0;
-
 /// The smallest float that is not below `v`.
 float floatUp(double v) {
     const auto f = static_cast<float>(v);
     return static_cast<double>(f) < v ? std::nextafter(f, std::numeric_limits<float>::infinity())
                                       : f;
-}
-
-/// Directions a little off each body in reach, for the largest of the common spheres on the pivot:
-/// smaller ones fit there as well.
-template <class Bodies, class CapOf>
-std::vector<Vec<3>> directionsBeside(const Bodies& around, double rolling, float common,
-                                     const CapOf& capOf) {
-    constexpr int kAround = 16;
-    std::vector<Vec<3>> directions;
-    for (std::size_t i = 0; i < around.count; ++i) {
-        Vec<3> axis;
-        for (int d = 0; d < 3; ++d)
-            axis[d] = static_cast<double>(around.to[static_cast<std::size_t>(d)][i]);
-        const Cap<float, 3> cap = capOf(around.index[i]);
-        const double l = length(axis);
-        const double level = static_cast<double>(cap.level + common * cap.slope);
-        const double height = level / (l * rolling);
-        if (height >= 1) continue;
-        axis *= 1 / l;
-        const Vec<3> other = std::fabs(axis[0]) < 0.6 ? Vec<3>{{1, 0, 0}} : Vec<3>{{0, 1, 0}};
-        const Vec<3> e1 = normalized(cross(axis, other));
-        const Vec<3> e2 = cross(axis, e1);
-        const double up = height - 1e-5;
-        const double out = std::sqrt(std::max(0.0, 1 - up * up));
-        for (int a = 0; a < kAround; ++a) {
-            const double angle = 2 * kPi * a / kAround;
-            directions.push_back(axis * up + (e1 * std::cos(angle) + e2 * std::sin(angle)) * out);
-        }
-    }
-    return directions;
 }
 
 }  // namespace
@@ -99,21 +66,6 @@ void FrontSites<Dim>::clear() {
                  static_cast<float>(kBucket * settings.meanRadius));
 }
 
-/// The neighbor block that holds a point outside this one; kDone if all of it lies behind the
-/// front.
-template <int Dim>
-std::uint32_t FrontSites<Dim>::neighborAt(const Vec<Dim>& x) const {
-    std::array<int, Dim> offset;
-    bool ahead = false;
-    for (int d = 0; d < Dim; ++d) {
-        // The faces of the block itself: 0 and own.hi.
-        offset[static_cast<std::size_t>(d)] = x[d] < 0 ? -1 : x[d] < block_.own.hi[d] ? 0 : 1;
-        ahead = ahead || x[d] >= block_.own.hi[d];
-    }
-    const std::uint32_t bit = neighborBit(offset);
-    return ahead || (block_.laterBehind & bit) != 0 ? bit : kDone;
-}
-
 template <int Dim>
 void FrontSites<Dim>::find(std::uint32_t pivot, std::uint32_t only, Surroundings<Dim>& around,
                            bool inOwnBlock) {
@@ -146,6 +98,7 @@ std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
     if (site.limit < radii.least) return kNone;
     const Vec<Dim>& center = sphere(pivot).center;
     End end;
+    end.limit = site.limit;
     Vec<Dim> start;
     for (int d = 0; d < Dim; ++d) {
         const auto at = static_cast<std::size_t>(d);
@@ -153,8 +106,8 @@ std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
         end.center[at] = static_cast<float>(center[d]) + site.end[at];
     }
     const bool own = block_.owns(start);
-    const std::uint32_t foreign = own ? 0 : neighborAt(start);
-    if (!own && foreign == kDone) return kNone;
+    const std::uint32_t foreign = own ? 0 : block_.neighborAt(start);
+    if (!own && foreign == 0) return kNone;
     std::uint32_t index = unused_;
     if (index == kNone) {
         index = static_cast<std::uint32_t>(sites_.size());
@@ -175,46 +128,14 @@ std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
         s.base += kSink * heightAbove(pivot, site.bodies, start);
         s.crowd = around ? around->crowdAt(site.end, site.limit, radii.nearGap) : 0.0f;
         walls_.forEach(pivot, [&](std::uint32_t, const TangentPlane<Dim>& plane) {
-            const auto above =
-                static_cast<float>(dot(fromFloat<Dim>(end.center) - plane.point, plane.normal));
-            s.crowd += kWallCrowd * nearness(above - site.limit, radii.nearGap);
+            s.crowd += wallCrowd(end, plane, radii.nearGap);
         });
     }
-    end.limit = site.limit;
-    end.dead = false;
     end.next = first_[pivot];
     first_[pivot] = index;
     ends_[index] = end;
     enqueue(index);
     return index;
-}
-
-/// A front begins with too few bodies to touch: then a sphere may touch the pivot alone.
-template <int Dim>
-void FrontSites<Dim>::addLoose(std::uint32_t pivot, const Surroundings<Dim>& around) {
-    const PivotRadii radii = radiiOf(pivot);
-    std::vector<Vec<Dim>> directions;
-    if constexpr (Dim == 3)
-        directions = directionsBeside(
-            around.spheres,
-            sphere(pivot).radius +
-                (block_.local ? static_cast<double>(radii.common) : block_.settings.commonRadius),
-            radii.common, [&](std::uint32_t body) { return cap(pivot, body); });
-    if (directions.empty()) directions.push_back(-block_.settings.sweep);
-    const float rolling = static_cast<float>(sphere(pivot).radius) + radii.probe;
-    for (const Vec<Dim>& n : directions) {
-        typename Surroundings<Dim>::Site site;
-        site.track.makeLoose(rolling, toFloat(n));
-        const float most = radii.largest - radii.probe;
-        const float t = around.growth(site.track, most);
-        if (most > 0 && !(t > 0)) continue;
-        site.track.at(0, site.start);
-        site.track.at(t, site.end);
-        site.limit = t >= most ? radii.largest : radii.probe + t;
-        site.side = 1;
-        site.bodies.fill(kNoBody);
-        add(pivot, site);
-    }
 }
 
 /// How far along the sweep a sphere at a site lies above the mean of the bodies that it touches; of
@@ -237,6 +158,13 @@ template <int Dim>
 float FrontSites<Dim>::nearness(float gap, float nearGap) {
     const float near = 1 - std::max(gap, 0.0f) / nearGap;
     return near > 0 ? near * near : 0;
+}
+
+/// What a wall adds to `Site::crowd`.
+template <int Dim>
+float FrontSites<Dim>::wallCrowd(const End& end, const TangentPlane<Dim>& plane, float nearGap) {
+    const double above = dot(fromFloat<Dim>(end.center) - plane.point, plane.normal);
+    return kWallCrowd * nearness(static_cast<float>(above) - end.limit, nearGap);
 }
 
 /// Counts a sphere whose center is at a squared distance from that of a site.
@@ -328,16 +256,26 @@ void FrontSites<Dim>::enqueue(std::uint32_t index) {
 }
 
 template <int Dim>
-Cap<float, Dim> FrontSites<Dim>::cap(std::uint32_t pivot, std::uint32_t body) const {
-    const Vec<Dim>& center = sphere(pivot).center;
+template <class T>
+Cap<T, Dim> FrontSites<Dim>::capOf(std::uint32_t pivot, std::uint32_t body) const {
+    const auto array = [](const Vec<Dim>& v) {
+        std::array<T, Dim> a;
+        for (std::size_t d = 0; d < Dim; ++d) a[d] = static_cast<T>(v.c[d]);
+        return a;
+    };
+    const Sphere<Dim>& s = sphere(pivot);
     if (body >= kWallBody) {
         const TangentPlane<Dim>& plane = walls_[body - kWallBody];
-        return Cap<float, Dim>::ofWall(toFloat(plane.normal),
-                                       static_cast<float>(dot(center - plane.point, plane.normal)));
+        return Cap<T, Dim>::ofWall(array(plane.normal),
+                                   static_cast<T>(dot(s.center - plane.point, plane.normal)));
     }
-    return Cap<float, Dim>::ofSphere(toFloat(sphere(body).center - center),
-                                     static_cast<float>(sphere(pivot).radius),
-                                     static_cast<float>(sphere(body).radius));
+    return Cap<T, Dim>::ofSphere(array(sphere(body).center - s.center), static_cast<T>(s.radius),
+                                 static_cast<T>(sphere(body).radius));
+}
+
+template <int Dim>
+Cap<float, Dim> FrontSites<Dim>::cap(std::uint32_t pivot, std::uint32_t body) const {
+    return capOf<float>(pivot, body);
 }
 
 /// Lowers the limit of a site to where its track enters a cap on the same pivot.
@@ -355,21 +293,13 @@ void FrontSites<Dim>::limitBy(std::uint32_t index, const Cap<float, Dim>& cap) {
     float room = level;
     for (std::size_t d = 0; d < Dim; ++d) room -= x[d] * cap.to[d];
     fits = fits && room > -kSlack * rolling * rolling;
-    if (!fits) {  // not even the smallest
-        end.dead = true;
-        queue_.remove(index);
-        return;
-    }
+    if (!fits) return drop(index);  // not even the smallest
     if (!(most > 0)) return;
     const float t =
         firstHit<float, Dim>(site.track, cap.to, level, cap.slope, kTouching * rolling, most);
     if (t >= most) return;
     end.limit = probe + t;
-    if (end.limit < radii.least) {
-        end.dead = true;
-        queue_.remove(index);
-        return;
-    }
+    if (end.limit < radii.least) return drop(index);
     if (site.track.at(t, x))
         for (std::size_t d = 0; d < Dim; ++d)
             end.center[d] = static_cast<float>(sphere(site.pivot).center.c[d]) + x[d];
@@ -426,14 +356,11 @@ void FrontSites<Dim>::keepOff(std::uint32_t index, std::uint32_t intruder) {
 template <int Dim>
 void FrontSites<Dim>::keepOffWall(std::uint32_t pivot, std::uint32_t wall) {
     const Cap<float, Dim> forbidden = cap(pivot, kWallBody + wall);
-    const TangentPlane<Dim>& plane = walls_[wall];
     const PivotRadii& radii = radiiOf(pivot);
     for (std::uint32_t s = first_[pivot]; s != kNone; s = ends_[s].next) {
         if (!ends_[s].dead) limitBy(s, forbidden);
         if (!(radii.crowdLead > 0) || ends_[s].dead) continue;
-        const auto above =
-            static_cast<float>(dot(fromFloat<Dim>(ends_[s].center) - plane.point, plane.normal));
-        sites_[s].crowd += kWallCrowd * nearness(above - ends_[s].limit, radii.nearGap);
+        sites_[s].crowd += wallCrowd(ends_[s], walls_[wall], radii.nearGap);
         enqueue(s);
     }
 }
@@ -441,8 +368,8 @@ void FrontSites<Dim>::keepOffWall(std::uint32_t pivot, std::uint32_t wall) {
 template <int Dim>
 void FrontSites<Dim>::leave(std::uint32_t index, const Vec<Dim>& center) {
     queue_.remove(index);
-    sites_[index].foreign = neighborAt(center);
-    ends_[index].dead = sites_[index].foreign == kDone;
+    sites_[index].foreign = block_.neighborAt(center);
+    ends_[index].dead = sites_[index].foreign == 0;
 }
 
 template <int Dim>
@@ -459,13 +386,8 @@ void FrontSites<Dim>::giveUp(std::uint32_t index) {
             ahead = ahead || offset[at] > 0;
         }
     queue_.remove(index);  // a wall learned meanwhile may have queued it again
-    site.foreign = ahead ? neighborBit(offset) : kDone;
+    site.foreign = ahead ? neighborBit(offset) : 0;
     ends_[index].dead = !ahead;
-}
-
-template <int Dim>
-Vec<Dim> FrontSites<Dim>::center(std::uint32_t index) const {
-    return fromFloat<Dim>(ends_[index].center);
 }
 
 template <int Dim>
@@ -475,24 +397,12 @@ bool FrontSites<Dim>::restingCenter(std::uint32_t index, double radius, Vec<Dim>
     const double open = radius + block_.settings.quantum;
     Track<double, Dim> track;
     if (site.bodies[0] == kNoBody) {
-        Vec<Dim> n;
-        for (int d = 0; d < Dim; ++d)
-            n[d] = static_cast<double>(ends_[index].center[static_cast<std::size_t>(d)]) -
-                   pivot.center[d];
+        const Vec<Dim> n = fromFloat<Dim>(ends_[index].center) - pivot.center;
         track.makeLoose(pivot.radius + open, normalized(n).c);
     } else {
         std::array<Cap<double, Dim>, Dim - 1> caps;
-        for (std::size_t b = 0; b < Dim - 1; ++b) {
-            const std::uint32_t body = site.bodies[b];
-            if (body >= kWallBody) {
-                const TangentPlane<Dim>& plane = walls_[body - kWallBody];
-                caps[b] = Cap<double, Dim>::ofWall(plane.normal.c,
-                                                   dot(pivot.center - plane.point, plane.normal));
-            } else {
-                caps[b] = Cap<double, Dim>::ofSphere((sphere(body).center - pivot.center).c,
-                                                     pivot.radius, sphere(body).radius);
-            }
-        }
+        for (std::size_t b = 0; b < Dim - 1; ++b)
+            caps[b] = capOf<double>(site.pivot, site.bodies[b]);
         if (!track.make(pivot.radius + open, open, caps, static_cast<double>(site.side)))
             return false;
     }

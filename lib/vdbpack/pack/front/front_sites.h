@@ -13,6 +13,20 @@
 
 namespace vdbpack {
 
+/// To floats and back, for what is stored relative to a block.
+template <int Dim>
+std::array<float, Dim> toFloat(const Vec<Dim>& v) {
+    std::array<float, Dim> f;
+    for (std::size_t d = 0; d < Dim; ++d) f[d] = static_cast<float>(v.c[d]);
+    return f;
+}
+template <int Dim>
+Vec<Dim> fromFloat(const std::array<float, static_cast<std::size_t>(Dim)>& f) {
+    Vec<Dim> v;
+    for (std::size_t d = 0; d < Dim; ++d) v.c[d] = static_cast<double>(f[d]);
+    return v;
+}
+
 /// Sites where a sphere could touch a pivot and Dim - 1 more bodies, in a queue: by their position
 /// along the sweep, those that a further body limits ahead of it. Bodies are spheres of the block,
 /// or walls from `kWallBody` on.
@@ -83,7 +97,7 @@ public:
     /// Largest radius that fits, as far as is known, mm.
     float limit(std::uint32_t index) const { return ends_[index].limit; }
     /// The center at that radius.
-    Vec<Dim> center(std::uint32_t index) const;
+    Vec<Dim> center(std::uint32_t index) const { return fromFloat<Dim>(ends_[index].center); }
     /// Where a sphere rests at a site, in double. @return false if nowhere.
     bool restingCenter(std::uint32_t index, double radius, Vec<Dim>& center) const;
 
@@ -115,7 +129,7 @@ private:
         std::array<float, Dim> center;  ///< at radius `limit`
         float limit;                    ///< largest radius that fits, as far as is known
         std::uint32_t next;             ///< of the same pivot
-        bool dead;
+        bool dead = false;
     };
     /// FrontLengths for the sites on a pivot, mm.
     struct PivotRadii {
@@ -128,7 +142,8 @@ private:
         return radii_[block_.local ? pivot : 0];
     }
     const Sphere<Dim>& sphere(std::uint32_t i) const { return block_.spheres[i]; }
-    std::uint32_t neighborAt(const Vec<Dim>& x) const;
+    template <class T>
+    Cap<T, Dim> capOf(std::uint32_t pivot, std::uint32_t body) const;
     void addLoose(std::uint32_t pivot, const Surroundings<Dim>& around);
     float baseOf(const Vec<Dim>& start);
     bool isBeyond(std::uint32_t index) const;
@@ -136,9 +151,14 @@ private:
     float leadOf(std::uint32_t index) const;
     float heightAbove(std::uint32_t pivot, const Bodies& bodies, const Vec<Dim>& start) const;
     static float nearness(float gap, float nearGap);
+    static float wallCrowd(const End& end, const TangentPlane<Dim>& plane, float nearGap);
     static float squaredDistance(const std::array<float, Dim>& center, const End& end);
     static bool reaches(float square, float radius, const End& end);
     void crowd(std::uint32_t index, float square, float radius);
+    void drop(std::uint32_t index) {
+        ends_[index].dead = true;
+        queue_.remove(index);
+    }
     void limitBy(std::uint32_t index, const Cap<float, Dim>& cap);
 
     /// In largest radii: a limit that counts as none.
@@ -155,19 +175,5 @@ private:
     BucketQueue queue_;
     std::vector<typename Surroundings<Dim>::Site> found_;
 };
-
-/// To floats and back, for what is stored relative to a block.
-template <int Dim>
-std::array<float, Dim> toFloat(const Vec<Dim>& v) {
-    std::array<float, Dim> f;
-    for (std::size_t d = 0; d < Dim; ++d) f[d] = static_cast<float>(v.c[d]);
-    return f;
-}
-template <int Dim>
-Vec<Dim> fromFloat(const std::array<float, static_cast<std::size_t>(Dim)>& f) {
-    Vec<Dim> v;
-    for (std::size_t d = 0; d < Dim; ++d) v.c[d] = static_cast<double>(f[d]);
-    return v;
-}
 
 }  // namespace vdbpack

@@ -15,10 +15,9 @@ namespace vdbpack {
 /// The bodies around one pivot: spheres as a cell list finds them, and wall planes.
 ///
 /// Computes in float, eight bodies at a time: results carry errors of about 1e-5 of the radii, and
-/// the caller decides in double.
-/// Source: a sphere on the pivot touches Dim - 1 more bodies where the edges of their caps meet on
-/// the sphere of directions; the largest sphere there is a vertex of the additively weighted
-/// Voronoi (Apollonius) diagram.
+/// the caller decides in double. Source: a sphere on the pivot touches Dim - 1 more bodies where
+/// the edges of their caps meet on the sphere of directions; the largest sphere there is a vertex
+/// of the additively weighted Voronoi (Apollonius) diagram.
 template <int Dim>
 class Surroundings {
 public:
