@@ -15,6 +15,7 @@ struct CountedSpheres {
     /// ranks: of the spheres of all ranks, from the spheres of one.
     std::function<double(const std::vector<Sphere<Dim>>& spheres, double largest)> count;
     double share = 1;     ///< of all spheres, estimated
+    bool warns = true;    ///< whether a count that stays too far from the target gives a warning
     double fraction = 0;  ///< of the domain that spheres fill, about; 0: found by smaller packs
 };
 
@@ -23,7 +24,8 @@ struct CountedSpheres {
 /// The first scale is `scaleForCount`'s guess from smaller packs, the next scales follow the line
 /// through the last two packs (logarithm of the count against logarithm of the scale), kept between
 /// scales that gave too few and too many. Within 1.8 % of `target`, or the number itself where that
-/// is less than a sphere; where eight packs come no nearer, the nearest is returned with a warning.
+/// is less than a sphere; where eight packs come no nearer, the nearest is returned, and
+/// `callbacks.warning` receives both numbers.
 /// @param options   its sizes are left as they were packed.
 /// @param existing  as for `packSpheres`; not counted.
 /// @param counted   which spheres of a pack count.

@@ -9,9 +9,28 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace vdbpack {
+
+struct FieldOptions;
+class MeshDomain;
+struct TriangleMesh;
+
+/// The field that the domain of a pack of these sizes needs, for `meshDomain`, `levelSetDomain` and
+/// `implicitDomain`. Larger and smaller sizes can be packed, too, as `packSpheres` says.
+FieldOptions fieldFor(const SizeDistribution& sizes);
+
+/// The inside of a closed mesh as a domain for a pack of these sizes:
+///
+///     const auto sizes = SizeDistribution::uniform(0.5, 1);
+///     const auto domain = meshDomain(mesh, sizes);
+///     const Pack<3> pack = packSpheres(*domain, PackOptions(sizes)).pack;
+///
+/// @param mesh  mm. @throws as `meshDomain` with `fieldFor(sizes)`
+std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const SizeDistribution& sizes,
+                                             const Callbacks& callbacks = {});
 
 template <int Dim>
 struct PackResult {
@@ -38,11 +57,17 @@ struct PackResult {
 /// returned. The result depends on the domain, the options (but not on the threads) and `existing`
 /// alone.
 ///
+/// The distance field of the domain may be made for other radii. Smaller spheres are packed as
+/// densely in a field that was made for larger ones, since triangles decide at the wall. Where the
+/// field ends too near to the wall for a front to begin (`Domain::fieldDepth`), as it does if it
+/// was made for radii twelve times smaller, the domain is refused.
+///
 /// @param existing  spheres to keep off, anywhere and of any radius, mm; they may overlap one
 ///                  another and the wall. They are not part of the result.
 /// @throws ParameterError for a gap that is negative or not finite, or probabilities of species
 /// that are negative or add up to 1 or more. InputError if the smallest radius fits nowhere (with
-/// the largest ball that fits), the domain is empty, or one of `existing` is not a usable number or
+/// the largest ball that fits), the field of the domain is made for much smaller radii (with its
+/// depth), the domain is empty, or one of `existing` is not a usable number or
 /// lies in more than 2000 others that are no copies; if a periodic cell is shorter than four
 /// diameters of the largest sphere. ResourceError if more than 1e9 spheres would
 /// be placed.

@@ -35,11 +35,11 @@ void fitTo(const VoidSetting<3>& s, FoamPacks<3>& packs, VoidRecipe& recipe, Voi
     const VoidShapeRecipe& shape = foam.shape;
     report.radius = shape.radius.in(3).scaled(shape.radiusFactor).spec();
     report.parameters = fmt::format(
-        "--voids foam --target-bvtv {:.4g} {}--void-radius {} --void-aspect {} --void-jitter "
-        "{:.4g} "
-        "--void-blend {:.4g} --void-strut {:.4g} --void-strut-share {:.4g} --void-voxel {:.4g}",
+        "`voids` foam `targetBvtv` {:.4g} {}`voids.radius` {} `voids.aspect` {} `voids.jitter` "
+        "{:.4g} `voids.blend` {:.4g} `voids.strut` {:.4g} `voids.strutShare` {:.4g} "
+        "`voids.voxelSize` {:.4g}",
         *foam.targetBvtv,
-        shape.orientation.axis.empty() ? "" : "--void-axis " + shape.orientation.axis + " ",
+        shape.orientation.axis.empty() ? "" : "`orientation.axis` " + shape.orientation.axis + " ",
         report.radius, shape.aspect.spec(), *foam.jitter, *recipe.blend, *recipe.strut,
         *recipe.strutShare, recipe.voxelSize);
 }
