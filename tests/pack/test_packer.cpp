@@ -7,8 +7,6 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/pack/largest_ball.h"
-#include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/pack/packer.h"
 
 #include <catch2/catch.hpp>

@@ -13,6 +13,7 @@
 #include "vdbpack/densify/pace.h"
 #include "vdbpack/densify/relaxation.h"
 #include "vdbpack/domain/inset_domain.h"
+#include "vdbpack/pack/local_sizes.h"
 
 #include <fmt/format.h>
 

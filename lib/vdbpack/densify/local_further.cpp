@@ -1,6 +1,7 @@
 #include "vdbpack/densify/local_further.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/pack/local_sizes.h"
 
 #include <algorithm>
 #include <cmath>

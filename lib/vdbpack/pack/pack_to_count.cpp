@@ -1,6 +1,7 @@
-#include "vdbpack/pack/pack_to_count.h"
-
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/ranks.h"
+#include "vdbpack/pack/local_sizes.h"
+#include "vdbpack/pack/packer.h"
 
 #include <fmt/format.h>
 

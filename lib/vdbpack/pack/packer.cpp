@@ -4,7 +4,7 @@
 #include "vdbpack/domain/inset_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/pack/kernel_settings.h"
-#include "vdbpack/pack/largest_ball.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/wavefront.h"
 
 #include <fmt/format.h>

@@ -4,11 +4,13 @@
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
+#include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/pack_options.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -89,5 +91,48 @@ template <int Dim>
 double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, double count,
                      const Callbacks& callbacks = {},
                      const std::vector<Sphere<Dim>>& existing = {});
+
+/// Center and radius (mm) of about the largest ball inside a domain; a radius that is not positive
+/// if no point inside was found.
+///
+/// Samples the domain on a grid and goes uphill from the deepest point; a larger ball in a part
+/// that the grid misses is not found. Radius exact to 1e-8 of a local maximum.
+template <int Dim>
+Sphere<Dim> largestBall(const Domain<Dim>& domain);
+
+/// The spheres of a pack that count toward a target, where later stages remove others.
+template <int Dim>
+struct CountedSpheres {
+    /// How many of the spheres, in a pack whose largest radius is `largest` mm; empty: all. Over
+    /// ranks: of the spheres of all ranks, from the spheres of one.
+    std::function<double(const std::vector<Sphere<Dim>>& spheres, double largest)> count;
+    double share = 1;     ///< of all spheres, estimated
+    bool warns = true;    ///< whether a count that stays too far from the target gives a warning
+    double fraction = 0;  ///< of the domain that spheres fill, about; 0: found by smaller packs
+};
+
+/// A pack of about `target` spheres: `options.sizes` are scaled until so many fill the domain.
+///
+/// The first scale is `scaleForCount`'s guess from smaller packs, the next scales follow the line
+/// through the last two packs (logarithm of the count against logarithm of the scale), kept between
+/// scales that gave too few and too many. Within 1.8 % of `target`, or the number itself where that
+/// is less than a sphere; where eight packs come no nearer, the nearest is returned, and
+/// `callbacks.warning` receives both numbers.
+/// @param options   its sizes are left as they were packed.
+/// @param existing  as for `packSpheres`; not counted.
+/// @param counted   which spheres of a pack count.
+/// @throws as `packSpheres` and `scaleForCount`.
+template <int Dim>
+PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, double target,
+                            const Callbacks& callbacks = {},
+                            const std::vector<Sphere<Dim>>& existing = {},
+                            const CountedSpheres<Dim>& counted = {});
+
+/// The distribution with its radii times `factor`: where it is a formula, exactly what the formula
+/// says when it is read again.
+SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim);
+
+/// Sets the sizes of `options` (also of the shell) to the sizes of `from` times `factor`.
+void scaleSizes(PackOptions& options, const PackOptions& from, double factor, int dim);
 
 }  // namespace vdbpack

@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
+#include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // The parameters of voids.
 #pragma once
 
-#include "vdbpack/pack/size_request.h"
+#include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/voids/orientation.h"
 
 #include <optional>
