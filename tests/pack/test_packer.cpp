@@ -418,7 +418,7 @@ TEST_CASE("a mesh domain made for the sizes of a pack, or for larger ones, packs
     CHECK(count == Approx(packIn(*meshDomain(ball, sizes.scaled(5)))).epsilon(0.02));
     // A field of smaller radii ends so near to the wall that no front could begin.
     CHECK_THAT(messageOf<InputError>([&] { packIn(*meshDomain(ball, sizes.scaled(0.06))); }),
-               Contains("0.18 mm") && Contains("1 mm") && Contains("fieldFor"));
+               Contains("0.198 mm") && Contains("1 mm") && Contains("fieldFor"));
 }
 
 TEST_CASE("a count that no scale of the radii gives is warned of", "[pack]") {
