@@ -17,6 +17,12 @@ while(entry_headers)
     list(APPEND entry_headers ${includes})
 endwhile()
 
+list(LENGTH headers count)
+if(count GREATER 60)
+    message(FATAL_ERROR "${count} headers would be installed, more than 60: declare a type instead of "
+                        "including its header, or move private parts into the .cpp")
+endif()
+
 install(TARGETS vdbpack EXPORT vdbpackTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
 foreach(header ${headers})
     get_filename_component(folder "${header}" DIRECTORY)

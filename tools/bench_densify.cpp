@@ -8,7 +8,7 @@
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
-#include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/verify/verify.h"
 

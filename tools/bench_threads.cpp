@@ -3,7 +3,7 @@
 #include "bench_mesh.h"
 
 #include "vdbpack/run/run.h"
-#include "vdbpack/verify/pack_hash.h"
+#include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -5,8 +5,8 @@
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/stamp.h"

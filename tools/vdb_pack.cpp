@@ -9,13 +9,10 @@
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/estimate.h"
+#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run_image.h"
-#include "vdbpack/run/run_mesh.h"
 #include "vdbpack/run/run_view.h"
-#include "vdbpack/run/study.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

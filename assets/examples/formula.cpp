@@ -2,7 +2,7 @@
 #include <vdbpack/vdbpack.h>
 
 #include <cmath>
-#include <cstdio>
+#include <iostream>
 
 using namespace vdbpack;
 
@@ -13,15 +13,10 @@ int main() {
     };
     const auto domain = functionDomain<3>(torus, Box<3>{{{-27, -27, -7}}, {{27, 27, 7}}});
 
-    PackOptions options(SizeDistribution::uniform(1, 2));  // a shape: the radii are scaled
+    PackOptions options(SizeDistribution::uniform(1, 2));  // the shape: the radii are scaled
     Callbacks callbacks;
-    callbacks.progress = [](const Progress& p) {
-        std::fprintf(stderr, "\r%s %3.0f %%", p.stage.c_str(), 100 * p.fraction);
-    };
-    const auto result = packToCount(*domain, options, 5000, callbacks);
-    writePack(result.pack, "torus.vtp");
-
-    std::printf("%zu spheres of %.2f to %.2f mm\n", result.pack.spheres.size(), options.sizes.min(),
-                options.sizes.max());
-    return result.pack.spheres.empty() ? 1 : 0;
+    callbacks.progress = [](const Progress& p) { std::cerr << p.stage << ' ' << p.count << '\r'; };
+    const Pack<3> pack = packToCount(*domain, options, 5000, callbacks).pack;
+    std::cout << pack.spheres.size() << " spheres, radii " << options.sizes.spec() << " mm\n";
+    writePack(pack, "torus.vtp");
 }

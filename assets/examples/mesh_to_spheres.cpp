@@ -10,9 +10,9 @@ int main() {
     bone.vertices = {{{20, 20, 20}}, {{20, -20, -20}}, {{-20, 20, -20}}, {{-20, -20, 20}}};
     bone.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
 
-    PackOptions options(SizeDistribution::uniform(0.5, 1));  // radii, mm
-    const auto domain = meshDomain(bone, FieldOptions::forRadii(0.5, 1));
-    const Pack<3> pack = packSpheres(*domain, options).pack;
+    const auto sizes = SizeDistribution::uniform(0.5, 1);  // radii, mm
+    const auto domain = meshDomain(bone, sizes);
+    const Pack<3> pack = packSpheres(*domain, PackOptions(sizes)).pack;
 
     std::printf("%zu spheres, solid fraction %.3f\n", pack.spheres.size(),
                 solidFraction(pack.spheres, *domain));

@@ -12,13 +12,10 @@ int main() {
     BooleanVoids voids;
     voids.shape.radius = SizeDistribution::uniform(0.8, 1.2);
     voids.targetBvtv = 0.3;
-    VoidRecipe recipe;
-    recipe.method = voids;
-    recipe.shell = 1;  // mm
-    const MadeVoids<3> made = makeVoids(*bone, recipe);
+    const MadeVoids<3> made = makeVoids(*bone, VoidRecipe{voids});
     keepOnly(pack, spheresOutside(pack.spheres, *made.stamped, Cull::center));
 
-    const Morphometry bvtv = measureMorphometry(sampleLevelSet(*made.solid.grid));
-    std::cout << pack.spheres.size() << " spheres\n" << summary(bvtv);
+    std::cout << pack.spheres.size() << " spheres\n"
+              << summary(measureMorphometry(sampleLevelSet(*made.solid.grid)));
     writePack(pack, "voids.csv");
 }

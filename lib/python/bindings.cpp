@@ -9,13 +9,11 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/options/command_line.h"
-#include "vdbpack/run/estimate.h"
+#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run_image.h"
-#include "vdbpack/run/run_mesh.h"
 #include "vdbpack/run/run_view.h"
-#include "vdbpack/verify/pack_hash.h"
+#include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -11,7 +11,7 @@
 //   verify    verifyPack, checkOverlap, checkProtrusion: independent of the packer
 //   measure   solidFraction, interiorFraction, densityProfile, countContacts, listContacts,
 //             pairCorrelation; measureMorphometry of a solid
-//   meshes    readMesh, checkMesh, repairMesh, writeStl
+//   meshes    readMesh, welded, checkMesh, repairMesh, writeStl
 //   files     readPack, writePack, writeContacts
 //   pictures  renderPreview
 // Whole runs, as the command line makes them, each from a recipe: runPack, runVoids, runCarve,
@@ -33,15 +33,12 @@
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/function_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/domain/slice_domain.h"
-#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/field/solid.h"
 #include "vdbpack/field/voxel_image.h"
-#include "vdbpack/formats/contact_file.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/measure/attached.h"
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
@@ -49,21 +46,13 @@
 #include "vdbpack/measure/pair_correlation.h"
 #include "vdbpack/measure/vacancies.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
-#include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/triangle_mesh.h"
-#include "vdbpack/pack/largest_ball.h"
-#include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/preview/preview.h"
 #include "vdbpack/repair/mesh_repair.h"
-#include "vdbpack/report/library_versions.h"
-#include "vdbpack/report/report_page.h"
-#include "vdbpack/run/estimate.h"
+#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_convert.h"
-#include "vdbpack/run/run_mesh.h"
-#include "vdbpack/run/study.h"
 #include "vdbpack/verify/verify.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/dilated_pack.h"

@@ -9,7 +9,7 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/report/report.h"
-#include "vdbpack/run/estimate.h"
+#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/cull.h"
 

@@ -10,7 +10,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/image/image_surface.h"
-#include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/verify/overlap.h"

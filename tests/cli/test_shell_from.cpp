@@ -7,6 +7,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/core_volume.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>

@@ -9,7 +9,7 @@
 #include "support/tool.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/run/estimate.h"
+#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>

@@ -5,7 +5,6 @@
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
-#include "vdbpack/domain/slice_domain.h"
 
 #include <catch2/catch.hpp>
 

@@ -7,7 +7,6 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/function_domain.h"
-#include "vdbpack/domain/slice_domain.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/verify/overlap.h"
 #include "vdbpack/verify/protrusion.h"

@@ -8,7 +8,6 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/domain/slice_domain.h"
 
 #include <catch2/catch.hpp>
 #include <tbb/global_control.h>

@@ -3,8 +3,9 @@
 
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/domain/surface_level_set.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/field/voxel_image.h"
 
 #include <catch2/catch.hpp>

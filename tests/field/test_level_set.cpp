@@ -7,6 +7,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/field/voxel_image.h"
 #include "vdbpack/mesh/mesh_check.h"

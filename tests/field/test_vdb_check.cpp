@@ -7,6 +7,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_check.h"
 
 #include <catch2/catch.hpp>

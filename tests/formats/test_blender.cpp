@@ -6,7 +6,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
-#include "vdbpack/domain/surface_level_set.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/write_blender.h"

@@ -4,7 +4,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/formats/contact_file.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/io/numbers.h"
 
 #include <cmath>

@@ -3,6 +3,7 @@
 #include "fuzz_file.h"
 
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/pack_file.h"
 
 using namespace vdbpack;

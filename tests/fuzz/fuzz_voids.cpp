@@ -4,7 +4,6 @@
 #include "fuzz_file.h"
 
 #include "vdbpack/voids/void_list.h"
-#include "vdbpack/voids/void_matrix.h"
 
 using namespace vdbpack;
 

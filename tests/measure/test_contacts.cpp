@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
+#include "vdbpack/core/symmetric.h"
 #include "vdbpack/measure/contacts.h"
 
 #include <catch2/catch.hpp>

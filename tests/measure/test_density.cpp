@@ -3,8 +3,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/measure/density.h"
-#include "vdbpack/measure/density_profile.h"
-#include "vdbpack/measure/local_fraction.h"
 #include "vdbpack/measure/vacancies.h"
 
 #include <catch2/catch.hpp>

@@ -9,7 +9,6 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/pack/local_sizes.h"
-#include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/verify/verify.h"
 

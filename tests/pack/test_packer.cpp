@@ -1,10 +1,12 @@
 #include "support/cube.h"
+#include "support/generators.h"
+#include "support/message_of.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
-#include "vdbpack/pack/largest_ball.h"
+#include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/pack/packer.h"
 
 #include <catch2/catch.hpp>
@@ -16,6 +18,7 @@
 
 using namespace vdbpack;
 using namespace vdbpack::test;
+using Catch::Matchers::Contains;
 
 namespace {
 
@@ -401,4 +404,31 @@ TEMPLATE_TEST_CASE_SIG("equal spheres are packed whatever their radius is as a f
         CHECK(fraction == Approx(exact).margin(0.01));
         CHECK(result.fronts < result.pack.spheres.size() / 50);
     }
+}
+
+TEST_CASE("a mesh domain made for the sizes of a pack, or for larger ones, packs alike",
+          "[pack][domain]") {
+    const TriangleMesh ball = ballMesh(10, 4);
+    const auto sizes = SizeDistribution::uniform(0.5, 1);
+    const auto packIn = [&](const Domain<3>& domain) {
+        return packSpheres(domain, PackOptions(sizes)).pack.spheres.size();
+    };
+    const double count = static_cast<double>(packIn(*meshDomain(ball, sizes)));
+    CHECK(meshDomain(ball, sizes)->fieldDepth() >= 3);
+    CHECK(count == Approx(packIn(*meshDomain(ball, sizes.scaled(5)))).epsilon(0.02));
+    // A field of smaller radii ends so near to the wall that no front could begin.
+    CHECK_THAT(messageOf<InputError>([&] { packIn(*meshDomain(ball, sizes.scaled(0.06))); }),
+               Contains("0.198 mm") && Contains("1 mm") && Contains("fieldFor"));
+}
+
+TEST_CASE("a count that no scale of the radii gives is warned of", "[pack]") {
+    const auto warningsFor = [](double target) {
+        PackOptions options(SizeDistribution::constant(1));
+        std::vector<std::string> warnings;
+        packToCount(*ballDomain<3>(5), options, target, keepingWarnings({}, warnings));
+        return warnings;
+    };
+    CHECK(warningsFor(4).empty());
+    REQUIRE(warningsFor(3).size() == 1);
+    CHECK_THAT(warningsFor(3).front(), Contains("3 spheres") && Contains("4 are nearest"));
 }

@@ -2,6 +2,7 @@
 #include "support/thread_ranks.h"
 
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/pack/size_field.h"
 #include "vdbpack/pack/wavefront.h"
 
 #include <catch2/catch.hpp>

@@ -2,7 +2,7 @@
 #include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/pack/size_request.h"
+#include "vdbpack/pack/size_distribution.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,7 @@
 #include "support/generators.h"
 #include "support/sound_mesh.h"
 
+#include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/welding.h"
 #include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/repair/solid_relations.h"

@@ -1,6 +1,7 @@
 #include "support/generators.h"
 
 #include "vdbpack/repair/mesh_repair.h"
+#include "vdbpack/repair/repair_changes.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

@@ -7,7 +7,7 @@
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/domain.h"
-#include "vdbpack/domain/surface_level_set.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/field/voxel_image.h"
 #include "vdbpack/voids/stamp.h"
 

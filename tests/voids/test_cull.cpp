@@ -7,8 +7,7 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/domain/slice_domain.h"
-#include "vdbpack/measure/attached.h"
+#include "vdbpack/measure/contacts.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/thinning.h"
 

@@ -6,7 +6,6 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/voids/direction_field.h"
 #include "vdbpack/voids/void_list.h"
-#include "vdbpack/voids/void_matrix.h"
 
 #include <catch2/catch.hpp>
 

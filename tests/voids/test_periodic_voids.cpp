@@ -5,7 +5,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_mesh.h"
 #include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/void_list.h"
 

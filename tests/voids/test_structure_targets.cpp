@@ -84,7 +84,7 @@ TEST_CASE("a foam has the spacing asked for, and the report says how it was foun
     const Morphometry m = measured(folder.file("v.vdb"), "box:3.6,3.6,3.6");
     CHECK(m.separation->mean == Approx(report->targets[0].reached).epsilon(0.005));
     CHECK(m.solidFraction == Approx(0.25).epsilon(0.01));
-    CHECK(report->parameters.find("--void-jitter 0.3") != std::string::npos);
+    CHECK(report->parameters.find("`voids.jitter` 0.3") != std::string::npos);
 }
 
 TEST_CASE("a foam has five numbers at once, whatever the seed", "[run][voids][.slow]") {

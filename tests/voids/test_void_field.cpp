@@ -6,8 +6,8 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/domain/slice_domain.h"
 #include "vdbpack/voids/void_field.h"
 
 #include <catch2/catch.hpp>

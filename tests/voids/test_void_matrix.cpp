@@ -3,7 +3,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
-#include "vdbpack/voids/void_matrix.h"
+#include "vdbpack/voids/void_list.h"
 
 #include <catch2/catch.hpp>
 

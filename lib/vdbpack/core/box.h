@@ -1,4 +1,4 @@
-// Axis-aligned boxes.
+// Axis-aligned boxes, and sides of planes.
 #pragma once
 
 #include "vdbpack/core/vec.h"
@@ -68,5 +68,12 @@ Box<Dim> intersection(const Box<Dim>& a, const Box<Dim>& b) {
     }
     return r;
 }
+
+/// The side n.x <= offset of a plane (2D: line); `normal` need not have length one.
+template <int Dim>
+struct HalfSpace {
+    Vec<Dim> normal;
+    double offset = 0;  ///< n.x on the plane
+};
 
 }  // namespace vdbpack

@@ -35,8 +35,8 @@ struct PackAttributes {
 template <int Dim>
 struct Pack : PackAttributes {
     std::vector<Sphere<Dim>> spheres;
-    double sliceHeight = 0;  ///< 2D: the z written for every circle, mm
-    PeriodicCell<Dim> cell;  ///< in which they repeat; by default they do not
+    double sliceHeight = 0;    ///< 2D: the z written for every circle, mm
+    PeriodicCell<Dim> cell{};  ///< in which they repeat; by default they do not
 };
 
 /// Calls `visit(name, values)` for each attribute but the id, empty or not, in the order in which

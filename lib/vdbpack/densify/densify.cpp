@@ -11,6 +11,7 @@
 #include "vdbpack/densify/relaxation.h"
 #include "vdbpack/densify/stir.h"
 #include "vdbpack/domain/inset_domain.h"
+#include "vdbpack/pack/local_sizes.h"
 
 #include <fmt/format.h>
 

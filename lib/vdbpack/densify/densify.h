@@ -2,10 +2,8 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
-#include "vdbpack/core/ranks.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
-#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/size_distribution.h"
 
 #include <cstdint>
@@ -13,6 +11,9 @@
 #include <vector>
 
 namespace vdbpack {
+
+struct LocalSizes;
+class Ranks;
 
 struct DensifyOptions {
     /// Solid fraction to reach, of all spheres together; infinity: as dense as possible (in space,

@@ -1,6 +1,7 @@
 #include "vdbpack/densify/further_spheres.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/ranks.h"
 
 #include <fmt/format.h>
 

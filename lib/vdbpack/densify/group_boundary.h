@@ -4,7 +4,6 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/shell_test.h"
-#include "vdbpack/domain/shell_thickness.h"
 
 #include <cmath>
 #include <memory>

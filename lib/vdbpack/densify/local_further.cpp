@@ -1,7 +1,9 @@
 #include "vdbpack/densify/local_further.h"
 
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/densify/relaxation.h"
+#include "vdbpack/pack/local_sizes.h"
 
 #include <cmath>
 #include <iterator>

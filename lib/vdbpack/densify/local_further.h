@@ -4,6 +4,7 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/densify/further_spheres.h"
+#include "vdbpack/pack/local_sizes.h"
 
 #include <cstdint>
 #include <map>

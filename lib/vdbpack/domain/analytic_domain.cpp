@@ -2,8 +2,8 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/convex_shape.h"
-#include "vdbpack/domain/slice_domain.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
-#include "vdbpack/core/half_space.h"
 
 #include <vector>
 

@@ -1,10 +1,10 @@
 #include "vdbpack/domain/clipped_domain.h"
 
+#include "vdbpack/core/depth_range.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/box_planes.h"
 #include "vdbpack/domain/convex_shape.h"
-#include "vdbpack/domain/slice_domain.h"
 #include "vdbpack/domain/volume_integrals.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
-// Domains cut by planes.
+// Parts of domains: cut by planes, and planar slices.
 #pragma once
 
-#include "vdbpack/core/half_space.h"
+#include "vdbpack/core/box.h"
 #include "vdbpack/domain/domain.h"
 
 #include <memory>
@@ -19,5 +19,19 @@ template <int Dim>
 std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Dim>> domain,
                                                  const std::vector<HalfSpace<Dim>>& planes,
                                                  std::shared_ptr<const Domain<Dim>> envelope = {});
+
+/// The plane z = `height` of a 3D domain, as a domain of the plane (x, y).
+/// @throws InputError if the plane misses the domain, ParameterError if the height is not finite
+/// or the domain is one that cannot be sliced.
+std::shared_ptr<const Domain<2>> sliceDomain(std::shared_ptr<const Domain<3>> domain,
+                                             double height);
+
+/// Private to domain: a 3D domain that knows its own slices.
+class Sliceable {
+public:
+    virtual ~Sliceable() = default;
+    /// @throws InputError if the plane misses the domain.
+    virtual std::shared_ptr<const Domain<2>> slice(double height) const = 0;
+};
 
 }  // namespace vdbpack

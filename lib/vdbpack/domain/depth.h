@@ -1,7 +1,7 @@
 // Depths of the spheres of a pack.
 #pragma once
 
-#include "vdbpack/core/half_space.h"
+#include "vdbpack/core/box.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
 

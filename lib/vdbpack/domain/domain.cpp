@@ -1,8 +1,14 @@
 #include "vdbpack/domain/domain.h"
 
+#include "vdbpack/core/depth_range.h"
 #include "vdbpack/core/parallel.h"
 
 namespace vdbpack {
+
+template <int Dim>
+DepthRange DomainSampler<Dim>::depthRange(const Vec<Dim>&) {
+    return {};
+}
 
 template <int Dim>
 std::vector<double> Domain<Dim>::signedDistances(const std::vector<Vec<Dim>>& points) const {
@@ -15,6 +21,8 @@ std::vector<double> Domain<Dim>::signedDistances(const std::vector<Vec<Dim>>& po
     return distances;
 }
 
+template class DomainSampler<2>;
+template class DomainSampler<3>;
 template class Domain<2>;
 template class Domain<3>;
 

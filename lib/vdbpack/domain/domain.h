@@ -2,18 +2,21 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
-#include "vdbpack/core/depth_range.h"
 #include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/vec.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
 
+struct DepthRange;
 struct RepairReport;
+class VdbGrid;
 
 /// The point of the wall nearest to a query point.
 template <int Dim>
@@ -35,10 +38,7 @@ public:
 
     /// Certain bounds of the depth of `x`, where they are closer than the error of
     /// `signedDistance`; by default none. A little slower than that.
-    virtual DepthRange depthRange(const Vec<Dim>& x) {
-        (void)x;
-        return {};
-    }
+    virtual DepthRange depthRange(const Vec<Dim>& x);
 
     /// Whether `x` is inside, by the wall itself: in gaps narrower than a voxel, a field may take
     /// the outside for inside. Slower than `signedDistance`. A front needs it only where it starts,
@@ -109,5 +109,45 @@ public:
     /// `signedDistance` of many points, in parallel. @return one value per point, mm.
     std::vector<double> signedDistances(const std::vector<Vec<Dim>>& points) const;
 };
+
+/// The thickness of the layer along the wall of a domain's envelope, mm. A point belongs to the
+/// shell if its depth below that wall is not larger than the thickness at the point itself.
+class ShellThickness {
+public:
+    /// The same everywhere; 0: there is no shell. Converts from a thickness in mm.
+    ShellThickness(double uniform = 0) : least_(uniform), most_(uniform) {}
+    /// @param at           thickness by place, from `least` to `most`; thread-safe.
+    /// @param sliceHeight  2D: height of the plane, mm.
+    ShellThickness(std::function<double(const Vec<3>&)> at, double least, double most,
+                   double sliceHeight = 0)
+        : at_(std::move(at)), least_(least), most_(most), sliceHeight_(sliceHeight) {}
+
+    /// Whether there is a shell anywhere.
+    bool any() const { return most_ > 0; }
+    bool isUniform() const { return !at_; }
+    double least() const { return least_; }
+    double most() const { return most_; }
+    double at(const Vec<3>& x) const { return at_ ? at_(x) : most_; }
+    double at(const Vec<2>& x) const { return at({{x[0], x[1], sliceHeight_}}); }
+    /// Whether a point at a depth (mm) lies deeper; seeks the thickness only where that matters.
+    template <int Dim>
+    bool isDeeper(const Vec<Dim>& x, double depth) const {
+        return depth > most_ || (depth > least_ && depth > at(x));
+    }
+
+private:
+    std::function<double(const Vec<3>&)> at_;
+    double least_ = 0, most_ = 0, sliceHeight_ = 0;
+};
+
+/// A domain as narrow-band level set: three voxels on both sides, named `surface`. From the
+/// triangles where the domain is a mesh; else (shapes, clipped domains) from the distances that its
+/// sampler returns, which outside of edges are lower bounds. Of a periodic cell it is the box,
+/// closed at its faces.
+///
+/// @param voxelSize  mm.
+/// @throws ParameterError unless the voxel size is positive; ResourceError if memory does not
+/// suffice.
+std::shared_ptr<const VdbGrid> surfaceLevelSet(const Domain<3>& domain, double voxelSize);
 
 }  // namespace vdbpack

@@ -6,12 +6,13 @@
 #include "vdbpack/domain/domain_image.h"
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/domain/intersection_domain.h"
-#include "vdbpack/domain/slice_domain.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/mesh/coordinate_step.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
+#include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
 
 #include <fmt/format.h>

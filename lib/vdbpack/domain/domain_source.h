@@ -1,7 +1,7 @@
 // From the words of a command line to a domain: meshes, level sets, shapes, slices and clips.
 #pragma once
 
-#include "vdbpack/core/half_space.h"
+#include "vdbpack/core/box.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/domain/domain_recipe.h"

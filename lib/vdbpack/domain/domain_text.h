@@ -1,7 +1,7 @@
 // Domains, clips and slices as texts of the command line.
 #pragma once
 
-#include "vdbpack/core/half_space.h"
+#include "vdbpack/core/box.h"
 #include "vdbpack/domain/domain.h"
 
 #include <array>

@@ -4,8 +4,9 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/box_planes.h"
 #include "vdbpack/domain/clipped_domain.h"
-#include "vdbpack/domain/surface_level_set.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/volume_integrals.h"
+#include "vdbpack/field/level_set.h"
 
 #include <fmt/format.h>
 

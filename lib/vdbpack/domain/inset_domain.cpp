@@ -1,5 +1,7 @@
 #include "vdbpack/domain/inset_domain.h"
 
+#include "vdbpack/core/depth_range.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>

@@ -1,5 +1,6 @@
 #include "vdbpack/domain/intersection_domain.h"
 
+#include "vdbpack/core/depth_range.h"
 #include "vdbpack/domain/volume_integrals.h"
 
 #include <algorithm>

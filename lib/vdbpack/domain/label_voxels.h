@@ -2,7 +2,6 @@
 #pragma once
 
 #include "vdbpack/domain/domain.h"
-#include "vdbpack/domain/shell_thickness.h"
 #include "vdbpack/field/voxel_image.h"
 
 namespace vdbpack {

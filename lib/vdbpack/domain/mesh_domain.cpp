@@ -2,11 +2,13 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/facet_bins.h"
 #include "vdbpack/domain/mesh_requirements.h"
 #include "vdbpack/domain/mesh_slice.h"
-#include "vdbpack/domain/slice_domain.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_field.h"
+#include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
 
 #include <fmt/format.h>

@@ -3,8 +3,6 @@
 
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
-#include "vdbpack/field/level_set.h"
-#include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
 #include <algorithm>
@@ -24,6 +22,7 @@ inline double fieldDetail(double smallest, double mean) {
 /// average).
 inline constexpr double kVoxelPerDetail = 1.1;
 
+struct MeshAnalysis;
 class MeshDomain;
 
 struct FieldOptions {

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/domain/mesh_requirements.h"
 #include "vdbpack/repair/mesh_repair.h"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
-#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/repair/repair_report.h"
 
@@ -13,6 +12,9 @@
 #include <vector>
 
 namespace vdbpack {
+
+struct DomainRecipe;
+struct TriangleMesh;
 
 struct MeshFitness {
     enum class Verdict {

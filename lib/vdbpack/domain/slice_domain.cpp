@@ -1,6 +1,5 @@
-#include "vdbpack/domain/slice_domain.h"
-
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/clipped_domain.h"
 
 #include <fmt/format.h>
 

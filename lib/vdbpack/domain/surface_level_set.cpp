@@ -1,9 +1,9 @@
-#include "vdbpack/domain/surface_level_set.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/field/level_set_builder.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // Private to domain: volumes of domains by integration.
 #pragma once
 
-#include "vdbpack/core/half_space.h"
+#include "vdbpack/core/box.h"
 #include "vdbpack/domain/convex_shape.h"
 
 #include <functional>

@@ -1,7 +1,6 @@
-#include "vdbpack/formats/contact_file.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/materials.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_view.h"
 #include "vdbpack/io/numbers.h"

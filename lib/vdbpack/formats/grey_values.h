@@ -2,8 +2,6 @@
 #pragma once
 
 #include "vdbpack/core/pack.h"
-#include "vdbpack/core/progress.h"
-#include "vdbpack/domain/domain_source.h"
 
 #include <cstdint>
 #include <map>
@@ -11,6 +9,9 @@
 #include <vector>
 
 namespace vdbpack {
+
+struct Callbacks;
+struct DomainRecipe;
 
 /// Properties of spheres from the grey values of images.
 struct GreyRecipe {

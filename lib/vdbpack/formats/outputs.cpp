@@ -1,11 +1,12 @@
 #include "vdbpack/formats/outputs.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/domain/surface_level_set.h"
-#include "vdbpack/formats/contact_file.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/material_file.h"
 #include "vdbpack/formats/output_target.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/formats/with_images.h"
@@ -13,7 +14,7 @@
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
-#include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,8 @@
-// Private: the writers and readers of the pack formats.
+// Private: the pack formats, each with its writer and its reader. A further one is a row here.
 #pragma once
 
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/formats/pack_target.h"
 #include "vdbpack/formats/pack_view.h"
 #include "vdbpack/io/output_file.h"
 
@@ -42,5 +43,38 @@ Pack<3> readNpz(const std::string& path, const PackReadOptions& options);
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsData(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsDump(const std::string& path, const PackReadOptions& options);
+
+/// A prefix ("yade:f.txt") or an extension, the format that it names, and what handles the format.
+struct FormatName {
+    const char* name;
+    PackFormat format;
+    PackTarget::Write write;
+    PackTarget::Read read;
+    bool extension = true;  ///< not only a prefix
+};
+inline constexpr FormatName kFormatNames[] = {
+    {"vdb", PackFormat::vdb, writeVdb, readVdb},
+    {"vtp", PackFormat::other, writeVtp, readVtp},
+    {"pvtp", PackFormat::pvtp, nullptr, readPvtp},
+    {"vtkhdf", PackFormat::vtkhdf, nullptr, readVtkHdf},
+    {"hdf", PackFormat::vtkhdf, nullptr, readVtkHdf},
+    {"ply", PackFormat::other, writePly, readPly},
+    {"csv", PackFormat::csv, writeCsv, readCsv},
+    {"points", PackFormat::points, writePoints, readVdb, false},
+    {"npz", PackFormat::other, writeNpz, readNpz},
+    {"xyz", PackFormat::other, writeXyz, readXyz},
+    {"extxyz", PackFormat::other, writeXyz, readXyz},
+    {"usda", PackFormat::usd, writeUsd, nullptr},
+    {"usd", PackFormat::usd, writeUsd, nullptr},
+    {"usdz", PackFormat::usdz, writeUsdz, nullptr},
+    {"svg", PackFormat::svg, writeSvg, nullptr},
+    {"yade", PackFormat::yade, writeYade, readYade, false},
+    {"data", PackFormat::lammpsData, writeLammps, readLammpsData},
+    {"lammps", PackFormat::lammpsData, writeLammps, readLammpsData, false},
+    {"liggghts", PackFormat::lammpsData, writeLammps, readLammpsData, false},
+    {"lammps-bonds", PackFormat::lammpsBonds, writeLammpsBonds, readLammpsData, false},
+    {"dump", PackFormat::lammpsDump, nullptr, readLammpsDump},
+    {"lammpstrj", PackFormat::lammpsDump, nullptr, readLammpsDump},
+};
 
 }  // namespace vdbpack

@@ -11,47 +11,25 @@ namespace vdbpack {
 
 namespace {
 
-constexpr const char* kWritten =
-    "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .usda, .usdz, .data or lammps:FILE, "
-    "lammps-bonds:FILE, yade:FILE, points:FILE.vdb, .svg for circles, .stl, levelsets: or "
-    "fog:FILE.vdb for surfaces, blender:FILE.py, contacts:, materials: or list:FILE.csv, "
-    "labels:FILE.nii.gz";
-constexpr const char* kRead =
-    "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .data or lammps:FILE, .dump, "
-    ".lammpstrj or dump:FILE, yade:FILE";
+/// Whether packs are written in a format: by its function, or in pieces, or by HDF5.
+bool isWritten(const FormatName& known) {
+    return known.write != nullptr || known.format == PackFormat::pvtp ||
+           known.format == PackFormat::vtkhdf;
+}
 
-/// A prefix ("yade:f.txt") or an extension, the format that it names, and what handles the format.
-struct FormatName {
-    const char* name;
-    PackFormat format;
-    PackTarget::Write write;
-    PackTarget::Read read;
-    bool extension = true;  ///< not only a prefix
-};
-constexpr FormatName kFormatNames[] = {
-    {"vdb", PackFormat::vdb, writeVdb, readVdb},
-    {"vtp", PackFormat::vtp, writeVtp, readVtp},
-    {"pvtp", PackFormat::pvtp, nullptr, readPvtp},
-    {"vtkhdf", PackFormat::vtkhdf, nullptr, readVtkHdf},
-    {"hdf", PackFormat::vtkhdf, nullptr, readVtkHdf},
-    {"ply", PackFormat::ply, writePly, readPly},
-    {"csv", PackFormat::csv, writeCsv, readCsv},
-    {"points", PackFormat::points, writePoints, readVdb, false},
-    {"npz", PackFormat::npz, writeNpz, readNpz},
-    {"xyz", PackFormat::xyz, writeXyz, readXyz},
-    {"extxyz", PackFormat::xyz, writeXyz, readXyz},
-    {"usda", PackFormat::usd, writeUsd, nullptr},
-    {"usd", PackFormat::usd, writeUsd, nullptr},
-    {"usdz", PackFormat::usdz, writeUsdz, nullptr},
-    {"svg", PackFormat::svg, writeSvg, nullptr},
-    {"yade", PackFormat::yade, writeYade, readYade, false},
-    {"data", PackFormat::lammpsData, writeLammps, readLammpsData},
-    {"lammps", PackFormat::lammpsData, writeLammps, readLammpsData, false},
-    {"liggghts", PackFormat::lammpsData, writeLammps, readLammpsData, false},
-    {"lammps-bonds", PackFormat::lammpsBonds, writeLammpsBonds, readLammpsData, false},
-    {"dump", PackFormat::lammpsDump, nullptr, readLammpsDump},
-    {"lammpstrj", PackFormat::lammpsDump, nullptr, readLammpsDump},
-};
+/// "use .vdb, .vtp, ...": the formats that are written or read, for messages.
+std::string formatList(bool written) {
+    std::string list = "use ";
+    for (const FormatName& known : kFormatNames)
+        if (known.format != PackFormat::svg && (written ? isWritten(known) : known.read != nullptr))
+            list += (known.extension ? "." + std::string(known.name)
+                                     : known.name + std::string(":FILE")) +
+                    ", ";
+    if (!written) return list.substr(0, list.size() - 2);
+    return list +
+           ".svg for circles, .stl, levelsets: or fog:FILE.vdb for surfaces, blender:FILE.py, "
+           "contacts:, materials: or list:FILE.csv, labels:FILE.nii.gz";
+}
 
 /// @param name  without the dot of an extension.
 const FormatName* formatNamed(const std::string& name) {
@@ -79,18 +57,19 @@ std::optional<PackTarget> knownTarget(const std::string& file) {
     return PackTarget{known->format, file, known->write, known->read};
 }
 
-/// The same; `formats` lists the known ones, for messages.
-PackTarget target(const std::string& file, const char* formats) {
+/// The same; refuses unknown formats. @param written  whether to list those that are written
+PackTarget target(const std::string& file, bool written) {
     if (auto known = knownTarget(file)) return *std::move(known);
-    throw ParameterError(file + ": '" + extensionOf(file) + "' is not a pack format; " + formats);
+    throw ParameterError(file + ": '" + extensionOf(file) + "' is not a pack format; " +
+                         formatList(written));
 }
 
 }  // namespace
 
 PackTarget targetToWrite(const std::string& file, int dim) {
-    PackTarget t = target(file, kWritten);
+    PackTarget t = target(file, true);
     if (t.format == PackFormat::lammpsDump)
-        throw ParameterError(file + ": dumps are read but not written; " + kWritten);
+        throw ParameterError(file + ": dumps are read but not written; " + formatList(true));
     if (t.format == PackFormat::svg && dim == 3)
         throw ParameterError(
             file + ": is a picture of circles; for spheres write .vtp or .vdb, or set `slice` z=V");
@@ -98,13 +77,14 @@ PackTarget targetToWrite(const std::string& file, int dim) {
 }
 
 PackTarget targetToRead(const std::string& file) {
-    PackTarget t = target(file, kRead);
+    PackTarget t = target(file, false);
     if (t.read == nullptr)
-        throw ParameterError(file +
-                             ": this format is written but not read; write the pack as .vtp or "
-                             ".csv beside it, or export the spheres as one of these from the "
-                             "program that made the file. To read a pack, " +
-                             kRead);
+        throw ParameterError(
+            file +
+            ": this format is written but not read; write the pack as .vtp or .csv beside it, or "
+            "export the spheres as one of these from the program that made the file. To read a "
+            "pack, " +
+            formatList(false));
     return t;
 }
 

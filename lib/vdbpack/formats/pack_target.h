@@ -12,16 +12,14 @@ class PackView;
 struct PackReadOptions;
 struct PackWriteOptions;
 
+/// The formats that something treats apart, and all others.
 enum class PackFormat {
+    other,
     vdb,
     points,
-    vtp,
     pvtp,
     vtkhdf,
-    ply,
     csv,
-    xyz,
-    npz,
     usd,
     usdz,
     svg,

@@ -1,4 +1,3 @@
-#include "vdbpack/measure/attached.h"
 
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/measure/contacts.h"

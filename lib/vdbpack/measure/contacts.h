@@ -3,7 +3,6 @@
 
 #include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/sphere.h"
-#include "vdbpack/core/symmetric.h"
 
 #include <array>
 #include <cstddef>
@@ -29,7 +28,7 @@ struct ContactNetwork {
     double fewShare = 0;  ///< share of the spheres with fewer than `few` contacts
     /// Mean of n n^T over the touching pairs, n the unit vector from one center to the other
     /// (2D: in the upper left): trace 1; 0 without pairs. Oda (1982), second-order fabric tensor.
-    Matrix<3> fabric{};
+    std::array<Vec<3>, 3> fabric{};
     /// Share of the spheres in the largest connected component; 0 if empty.
     double largestComponent = 0;
     std::uint64_t components = 0;  ///< connected components, single spheres included
@@ -116,5 +115,16 @@ std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& spheres, doubl
 template <int Dim>
 std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing = 0,
                                   const PeriodicCell<Dim>& cell = {});
+
+/// 1 for each sphere in a connected component (by contacts) with a sphere of region 0 (the shell)
+/// that has at least a thousandth as many spheres as the largest: smaller ones are loose clusters
+/// of the shell. Without regions, for each sphere of the largest connected component.
+/// @param tolerance  as of `countContacts`.
+/// @param cell       in which the spheres repeat, and touch across its faces.
+/// @throws as `countContacts`.
+template <int Dim>
+std::vector<std::uint8_t> attachedSpheres(const std::vector<Sphere<Dim>>& spheres,
+                                          const std::vector<std::int32_t>& region, double tolerance,
+                                          const PeriodicCell<Dim>& cell = {});
 
 }  // namespace vdbpack

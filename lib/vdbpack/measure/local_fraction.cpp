@@ -1,9 +1,8 @@
-#include "vdbpack/measure/local_fraction.h"
-
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/sampling.h"
+#include "vdbpack/measure/density.h"
 
 #include <fmt/format.h>
 

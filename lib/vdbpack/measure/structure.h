@@ -1,8 +1,7 @@
 // What `vdb_pack measure` reports of a pack's structure: profiles, g(r), regions.
 #pragma once
 
-#include "vdbpack/measure/density_profile.h"
-#include "vdbpack/measure/local_fraction.h"
+#include "vdbpack/measure/density.h"
 #include "vdbpack/measure/pair_correlation.h"
 
 #include <nlohmann/json_fwd.hpp>

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/mesh/edge_table.h"
+#include "vdbpack/mesh/mesh_shells.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

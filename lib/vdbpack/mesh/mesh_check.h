@@ -1,7 +1,6 @@
 // The health of a triangle mesh: what a packer must know before it trusts the inside.
 #pragma once
 
-#include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -69,14 +68,6 @@ struct MeshHealth {
 
 /// Examines a welded mesh (welding.h). Cost: linear in the triangles.
 MeshHealth checkMesh(const TriangleMesh& mesh);
-
-/// The health of a mesh and the shells that it was found by.
-struct MeshAnalysis {
-    MeshHealth health;
-    ShellAnalysis shells;
-};
-/// Both for the cost of `checkMesh`.
-MeshAnalysis analyzeMesh(const TriangleMesh& mesh);
 
 /// The mesh without duplicate triangles and without triangles that use a vertex twice. Of triangles
 /// with the same three vertices the first is kept, so the surface is the same set of points. The

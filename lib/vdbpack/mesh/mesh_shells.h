@@ -1,6 +1,7 @@
 // The connected components of a mesh and their nesting.
 #pragma once
 
+#include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
 #include <cstddef>
@@ -49,6 +50,14 @@ struct ShellAnalysis {
 ShellAnalysis analyzeShells(const TriangleMesh& mesh);
 /// The same with an existing table of the edges of `mesh`.
 ShellAnalysis analyzeShells(const TriangleMesh& mesh, const EdgeTable& edges);
+
+/// The health of a mesh and the shells that it was found by.
+struct MeshAnalysis {
+    MeshHealth health;
+    ShellAnalysis shells;
+};
+/// Both for the cost of `checkMesh` (mesh_check.h).
+MeshAnalysis analyzeMesh(const TriangleMesh& mesh);
 
 /// The shells of a mesh that lie in no other closed one.
 TriangleMesh outermostShells(const TriangleMesh& mesh, const ShellAnalysis& shells);

@@ -23,4 +23,10 @@ struct TriangleMesh {
     }
 };
 
+/// The mesh with vertices of identical coordinates merged and unused ones dropped; the remaining
+/// ones keep their order. Most functions
+/// that examine a mesh need it welded; `readMesh` welds. Coordinates must be finite and indices in
+/// range.
+TriangleMesh welded(TriangleMesh mesh);
+
 }  // namespace vdbpack

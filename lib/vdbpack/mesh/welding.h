@@ -59,8 +59,4 @@ private:
     std::vector<std::uint32_t> recent_ = std::vector<std::uint32_t>(kRecent, kNone);
 };
 
-/// The mesh with vertices of identical coordinates merged and unused ones dropped; the remaining
-/// ones keep their order. Coordinates must be finite and indices in range.
-TriangleMesh welded(TriangleMesh mesh);
-
 }  // namespace vdbpack

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "vdbpack/core/pack.h"
-#include "vdbpack/core/ranks.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/domain/domain_recipe.h"
@@ -23,6 +22,7 @@
 namespace vdbpack {
 
 struct Image;
+class Ranks;
 class VdbGrid;
 
 /// Base of all recipes. A command passes over what it has no use for.

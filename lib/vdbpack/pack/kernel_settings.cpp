@@ -1,6 +1,7 @@
 #include "vdbpack/pack/kernel_settings.h"
 
-#include "vdbpack/pack/largest_ball.h"
+#include "vdbpack/pack/local_sizes.h"
+#include "vdbpack/pack/packer.h"
 
 #include <algorithm>
 #include <cmath>

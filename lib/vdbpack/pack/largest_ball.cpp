@@ -1,4 +1,4 @@
-#include "vdbpack/pack/largest_ball.h"
+#include "vdbpack/pack/packer.h"
 
 #include <algorithm>
 #include <cmath>

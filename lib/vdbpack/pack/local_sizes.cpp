@@ -11,6 +11,16 @@
 
 namespace vdbpack {
 
+double LocalSizes::largest(const SizeDistribution& sizes) const {
+    const double all = shellSizes ? std::max(sizes.max(), shellSizes->max()) : sizes.max();
+    return all * factors().most;
+}
+
+LocalSizes::Factors LocalSizes::factors() const {
+    if (!factor) return {};
+    return {factor->all().least, factor->all().most};
+}
+
 namespace {
 
 /// Points along the longest side of a domain at which sizes are sampled, and classes of factors

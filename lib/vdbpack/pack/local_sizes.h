@@ -3,7 +3,7 @@
 
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/shell_test.h"
-#include "vdbpack/domain/shell_thickness.h"
+#include "vdbpack/pack/pack_options.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/pack/size_field.h"
 
@@ -14,28 +14,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-/// What differs by place in the sizes of a pack. The center of a sphere decides.
-struct LocalSizes {
-    /// Factor on the radii; null: 1 everywhere.
-    std::shared_ptr<const SizeField> factor;
-    /// Radii (times the factor) of spheres with centers in `shell`; none: the sizes of the others.
-    std::optional<SizeDistribution> shellSizes;
-    ShellThickness shell;
-
-    bool any() const { return factor || shellSizes; }
-    /// The largest radius anywhere, mm. @param sizes  of group 0.
-    double largest(const SizeDistribution& sizes) const {
-        const double all = shellSizes ? std::max(sizes.max(), shellSizes->max()) : sizes.max();
-        return factor ? all * factor->all().most : all;
-    }
-    SizeField::Range factors() const { return factor ? factor->all() : SizeField::Range{1, 1}; }
-    std::size_t groups() const { return shellSizes ? 2 : 1; }
-    /// The distribution of group 1, the shell, or 0, all others. @param sizes  of group 0.
-    const SizeDistribution& sizesOf(std::size_t group, const SizeDistribution& sizes) const {
-        return group == 1 ? *shellSizes : sizes;
-    }
-};
 
 /// What is requested at a point.
 struct LocalSize {

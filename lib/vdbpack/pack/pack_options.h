@@ -1,18 +1,20 @@
 // The options of a pack.
 #pragma once
 
-#include "vdbpack/core/ranks.h"
-#include "vdbpack/pack/local_sizes.h"
-#include "vdbpack/pack/order.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/size_distribution.h"
-#include "vdbpack/pack/species.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 namespace vdbpack {
+
+class Ranks;
+class SizeField;
 
 /// How much time goes into the solid fraction. fast takes sites as they come along the sweep;
 /// normal takes those first where a further body stops a sphere from growing; dense does the same
@@ -22,6 +24,47 @@ enum class Effort { fast, normal, dense };
 constexpr const char* nameOf(Effort effort) {
     return effort == Effort::fast ? "fast" : effort == Effort::normal ? "normal" : "dense";
 }
+
+/// sweep: along a diagonal of the axes, in blocks and on all threads. The others are those of the
+/// literature, for comparison, and run as one block on one thread: from the wall inwards, from the
+/// middle outwards, and first in, first out from the middle.
+enum class Order { sweep, wall, center, fifo };
+
+constexpr const char* nameOf(Order order) {
+    return order == Order::sweep    ? "sweep"
+           : order == Order::wall   ? "wall"
+           : order == Order::center ? "centre"
+                                    : "fifo";
+}
+
+/// What differs by place in the sizes of a pack. The center of a sphere decides.
+struct LocalSizes {
+    /// Factor on the radii; null: 1 everywhere.
+    std::shared_ptr<const SizeField> factor;
+    /// Radii (times the factor) of spheres with centers in `shell`; none: the sizes of the others.
+    std::optional<SizeDistribution> shellSizes;
+    ShellThickness shell;
+
+    bool any() const { return factor || shellSizes; }
+    /// The largest radius anywhere, mm. @param sizes  of group 0.
+    double largest(const SizeDistribution& sizes) const;
+    struct Factors {
+        double least = 1, most = 1;
+    };
+    Factors factors() const;  ///< bounds of `factor`
+    std::size_t groups() const { return shellSizes ? 2 : 1; }
+    /// The distribution of group 1, the shell, or 0, all others. @param sizes  of group 0.
+    const SizeDistribution& sizesOf(std::size_t group, const SizeDistribution& sizes) const {
+        return group == 1 ? *shellSizes : sizes;
+    }
+};
+
+/// A kind of spheres beside the first one: each new sphere is of it with some probability.
+struct Species {
+    SizeDistribution sizes;  ///< radii, mm
+    double probability = 0;  ///< that a sphere is of this species, 0 to below 1
+    double depth = 0;        ///< its spheres lie wholly deeper than this below the wall, mm
+};
 
 /// Options of `packSpheres`, set by name:
 ///

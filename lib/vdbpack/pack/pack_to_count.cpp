@@ -1,6 +1,7 @@
-#include "vdbpack/pack/pack_to_count.h"
-
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/ranks.h"
+#include "vdbpack/pack/local_sizes.h"
+#include "vdbpack/pack/packer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -101,6 +102,11 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         scale = search.next(scale, count);
     }
     scaleSizes(options, asked, bestScale, Dim);
+    if (counted.warns && !best.interrupted && options.maxCount == 0 && !isNear(bestOff, target))
+        callbacks.warn(fmt::format(
+            "{:.0f} {} were requested, and {:.0f} are nearest of {} packs; give another number or "
+            "seed, or the radii themselves",
+            target, Measure<Dim>::kSpheres, bestCount, kCountAttempts));
     return best;
 }
 

@@ -2,8 +2,9 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/inset_domain.h"
+#include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/pack/kernel_settings.h"
-#include "vdbpack/pack/largest_ball.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/wavefront.h"
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace vdbpack {
 
@@ -88,6 +90,18 @@ bool fitsBounds(const Domain<Dim>& domain, const PackOptions& options) {
            0.5 * *std::min_element(size.c.begin(), size.c.end()) * (1 + 1e-9);
 }
 
+/// Refuses a field that ends too near to the wall, where the front could not begin: found before
+/// the front, that would refuse fields in which it can.
+template <int Dim>
+void requireDeepField(const Domain<Dim>& domain, const PackOptions& options, bool fits) {
+    const double largest = largestRadius(options);
+    if (fits && domain.fieldDepth() < largest)
+        throw InputError(fmt::format(
+            "the distance field of the domain ends {:.4g} mm below its wall, too near for {} of "
+            "radius {:.4g} mm; make the domain for these radii (`fieldFor`)",
+            domain.fieldDepth(), Measure<Dim>::kSpheres, largest));
+}
+
 /// A sphere of the smallest radius in the middle of the largest ball of a domain that seems to hold
 /// none: a ball hardly larger than that is easily missed by a search in cells.
 /// @param fits  whether the bounds of the domain could hold it.
@@ -124,6 +138,15 @@ Sphere<Dim> onlySphere(const Domain<Dim>& domain, const Domain<Dim>& outer,
 
 }  // namespace
 
+FieldOptions fieldFor(const SizeDistribution& sizes) {
+    return FieldOptions::forRadii(sizes.min(), sizes.max(), sizes.mean());
+}
+
+std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const SizeDistribution& sizes,
+                                             const Callbacks& callbacks) {
+    return meshDomain(std::move(mesh), fieldFor(sizes), callbacks);
+}
+
 template <int Dim>
 PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options,
                             const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
@@ -140,6 +163,7 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
     const bool fits = fitsBounds(domain, options);
     if (fits) result = packBlocks(domain, outer, options, callbacks, existing);
     const std::uint64_t count = sumOver(options.ranks, std::uint64_t{result.pack.spheres.size()});
+    if (count == 0 && !result.interrupted) requireDeepField(domain, options, fits);
     if (count == 0 && !result.interrupted && existing.empty()) {
         const Sphere<Dim> only = onlySphere(domain, outer, options, result.quantum, fits);
         if (options.ranks) result.pieces = {0, 1};

@@ -1,6 +1,7 @@
 #include "vdbpack/core/ball_share.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/pack/kernel_settings.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/packer.h"
 
 #include <fmt/format.h>

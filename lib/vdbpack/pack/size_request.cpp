@@ -1,6 +1,5 @@
-#include "vdbpack/pack/size_request.h"
-
 #include "vdbpack/io/text.h"
+#include "vdbpack/pack/size_distribution.h"
 
 #include <array>
 #include <cassert>

@@ -2,20 +2,13 @@
 #pragma once
 
 #include "vdbpack/core/rng.h"
-#include "vdbpack/pack/size_distribution.h"
+#include "vdbpack/pack/pack_options.h"
 
 #include <cstdint>
 #include <deque>
 #include <vector>
 
 namespace vdbpack {
-
-/// A kind of spheres beside the first one: each new sphere is of it with some probability.
-struct Species {
-    SizeDistribution sizes;  ///< radii, mm
-    double probability = 0;  ///< that a sphere is of this species, 0 to below 1
-    double depth = 0;        ///< its spheres lie wholly deeper than this below the wall, mm
-};
 
 /// Spheres of further species that are due. After each sphere of the first species the species of
 /// the next one is drawn; a sphere of another species is due until it finds room.

@@ -1,7 +1,8 @@
 #include "vdbpack/preview/drawn_wall.h"
 
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/domain/surface_level_set.h"
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/mesh/made_mesh.h"
 
 #include <algorithm>

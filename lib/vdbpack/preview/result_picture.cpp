@@ -1,10 +1,12 @@
 #include "vdbpack/preview/result_picture.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/preview/drawn_wall.h"
+#include "vdbpack/report/report.h"
 
 #include <algorithm>
 #include <type_traits>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include <cstddef>
 #include <vector>
@@ -9,12 +10,6 @@
 namespace vdbpack {
 
 struct ShellAnalysis;
-
-/// The meaning of closed shells inside others.
-enum class NestedShells {
-    cavity,  ///< they bound cavities; shells inside a cavity are solid again
-    solid    ///< they are ignored: everything inside the outermost shell is solid
-};
 
 /// Orients triangles so that neighbors agree and normals point out of the solid: outward, and into
 /// the cavities that nested shells bound. `mesh` is welded, without collapsed triangles.

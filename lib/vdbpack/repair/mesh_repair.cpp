@@ -4,6 +4,7 @@
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/repair/component_repair.h"
+#include "vdbpack/repair/repair_changes.h"
 #include "vdbpack/repair/whole_repair.h"
 #include "vdbpack/repair/winding_number.h"
 

@@ -3,12 +3,17 @@
 
 #include "vdbpack/core/progress.h"
 #include "vdbpack/mesh/triangle_mesh.h"
-#include "vdbpack/repair/facing.h"
 #include "vdbpack/repair/repair_report.h"
 
 #include <string>
 
 namespace vdbpack {
+
+/// The meaning of closed shells inside others.
+enum class NestedShells {
+    cavity,  ///< they bound cavities; shells inside a cavity are solid again
+    solid    ///< they are ignored: everything inside the outermost shell is solid
+};
 
 struct RepairOptions {
     RepairComponents components = RepairComponents::together;

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/rng.h"
 #include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/repair/facing.h"
 #include "vdbpack/repair/sheets.h"
 

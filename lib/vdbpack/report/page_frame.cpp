@@ -2,6 +2,7 @@
 
 #include "vdbpack/io/text.h"
 #include "vdbpack/report/markup.h"
+#include "vdbpack/report/report.h"
 
 #include <fmt/format.h>
 

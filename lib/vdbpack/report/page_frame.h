@@ -5,14 +5,7 @@
 
 namespace vdbpack {
 
-/// A picture, and a view that takes its place where the browser can draw it.
-struct PagePicture {
-    std::string png;            ///< bytes of a file; empty: none
-    int width = 0, height = 0;  ///< pixels
-    std::string words;          ///< what it shows
-    std::string viewStyle;      ///< for the head of the page, and
-    std::string view;           ///< for the figure; empty: none
-};
+struct PagePicture;
 
 /// A <figure> with the picture and the view; empty if there is neither.
 std::string pictureFigure(const PagePicture& picture);

@@ -126,6 +126,15 @@ struct Report {
     std::string recipe;  ///< TOML that repeats the run; empty: none
 };
 
+/// A picture, and a view that takes its place where the browser can draw it.
+struct PagePicture {
+    std::string png;            ///< bytes of a file; empty: none
+    int width = 0, height = 0;  ///< pixels
+    std::string words;          ///< what it shows
+    std::string viewStyle;      ///< for the head of the page, and
+    std::string view;           ///< for the figure; empty: none
+};
+
 /// The checks that a pack does not pass. Overlaps and protrusions of the input pack do not count.
 struct FailedChecks {
     bool overlap = false, protrusion = false;

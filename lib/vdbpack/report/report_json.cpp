@@ -1,3 +1,4 @@
+#include "vdbpack/core/symmetric.h"
 #include "vdbpack/repair/repair_report.h"
 #include "vdbpack/report/report.h"
 

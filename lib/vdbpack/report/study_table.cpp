@@ -1,6 +1,6 @@
 #include "vdbpack/report/study_table.h"
 
-#include "vdbpack/verify/pack_hash.h"
+#include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>
 

@@ -2,10 +2,10 @@
 // space. One model for dry runs and for refusals; its errors: assets/guides/reliability.md.
 #pragma once
 
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/report/report.h"
+#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/recipe.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 #include <vector>
@@ -72,26 +72,6 @@ struct PackPlan {
 /// @throws as `requireShell` and `requireRepeating`.
 PackPlan planPack(const PackRecipe& recipe, const DomainSource& source, bool closer = false);
 
-/// Bytes of memory at the peak of a run by what takes them, and of each file that it writes.
-struct Estimate {
-    struct Part {
-        const char* name;    ///< key in reports
-        double bytes;        ///< at the peak
-        std::string what;    ///< for messages: "4e+05 spheres"
-        const char* remedy;  ///< what makes it smaller
-    };
-    struct File {
-        std::string name;  ///< as in the outputs
-        double bytes;
-    };
-    std::vector<Part> parts;
-    std::vector<File> files;
-
-    double memory() const;
-    /// The parts that matter, for people: "820 MiB for about 4e+05 spheres, ...".
-    std::string memoryText() const;
-};
-
 /// Bytes at the peak of stamping voids, with their level sets.
 double stampBytes(const Extent& extent);
 /// Triangles of the contour that voids leave of a domain, about.
@@ -101,25 +81,8 @@ double contourTriangles(const Extent& extent);
 /// ranks, the memory of one of them.
 Estimate estimate(const Extent& extent, const RunSettings& settings);
 
-/// Refuses memory beyond `limit` bytes (as `memoryLimit`), and any file larger than the free space
-/// of its disk. @throws ResourceError with the parts of the estimate, what is available, a remedy.
-void requireResources(const Estimate& estimate, double limit);
-/// The same for a run of this extent with these settings.
+/// Refuses a run of this extent with these settings whose estimate exceeds memory or disk space.
+/// @throws ResourceError
 void requireResources(const Extent& extent, const RunSettings& settings);
-
-/// A plan with its time on `threads` threads, and what it takes.
-struct DryRun : PackPlan {
-    int threads = 1;
-    std::string sizes{};  ///< radii as they would be packed
-    Estimate estimate{};
-};
-/// Reads the domain, and estimates; nothing is packed or written. Packs that exceed memory or disk
-/// space are predicted, too: `requireResources(dryRun.estimate, recipe.memoryLimit)` throws what
-/// `runPack` would. @throws as `runPack` for its recipe and its domain
-DryRun dryRunPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
-/// The keys of a report, where they apply, `dryRun`, and the usual errors.
-nlohmann::ordered_json toJson(const DryRun& dryRun);
-/// For people; ends with a newline.
-std::string summary(const DryRun& dryRun);
 
 }  // namespace vdbpack

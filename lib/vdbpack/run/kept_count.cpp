@@ -1,6 +1,7 @@
 #include "vdbpack/run/kept_count.h"
 
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/voids/void_families.h"
 
 namespace vdbpack {
 

@@ -2,10 +2,8 @@
 #pragma once
 
 #include "vdbpack/core/pack.h"
-#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/options/recipes.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/voids/scalar_field.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <cstdint>
@@ -15,6 +13,8 @@
 #include <vector>
 
 namespace vdbpack {
+
+class ScalarField;
 
 /// Refuses before the work what would fail after it: formats, folders, outputs that are inputs,
 /// settings that exclude one another. @throws ParameterError, IoError

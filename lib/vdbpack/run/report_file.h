@@ -1,6 +1,7 @@
 // Reports as files: .json for programs, .html for people.
 #pragma once
 
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/measure/radius_histogram.h"
 #include "vdbpack/run/run.h"
 

@@ -5,6 +5,7 @@
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/view/view.h"

@@ -4,11 +4,13 @@
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
+#include "vdbpack/domain/mesh_fitness.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/measure/structure.h"
-#include "vdbpack/report/page_frame.h"
+#include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/options/recipes.h"
+#include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/report/report.h"
-#include "vdbpack/run/recipe.h"
 #include "vdbpack/verify/verify.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -110,5 +112,58 @@ std::string summary(const MeasureResult& result);
 /// is measured along its own axes.
 /// @throws ParameterError, InputError, IoError, ResourceError
 MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks = {});
+
+/// The whole of `vdb_pack convert`. Packs are neither judged nor changed; solids (a level set, a
+/// mesh) become level sets, fog or surfaces, and a mesh as .stl stays the mesh that it is.
+/// @throws ParameterError (no output, an output that is an input or that there is nothing for),
+/// InputError, IoError, ResourceError
+ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks = {});
+
+nlohmann::ordered_json toJson(const ConvertResult& result);
+/// For people; ends with a newline.
+std::string summary(const ConvertResult& result);
+
+struct StudyResult {
+    std::vector<Report> reports;  ///< one a seed, in their order
+    bool passed = true;           ///< no check failed in any run
+    bool interrupted = false;     ///< `reports` are of the runs before that
+    std::string failures;         ///< of all runs
+};
+
+/// A pack for each seed, as `runPack` makes it; the domain is made once.
+/// @param recipe  names of outputs and of the report may hold {seed}, and must with several seeds.
+/// @param table   .csv with a row a run (`studyTable`); empty: none.
+/// @throws as runPack; ParameterError for names that runs would share.
+StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+                     const std::string& table, const Callbacks& callbacks = {});
+/// The same of voids, as `runVoids` makes them; the domain is read once.
+StudyResult runStudy(const VoidsRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+                     const std::string& table, const Callbacks& callbacks = {});
+
+/// For people: a line a run, then mean and standard deviation over the runs.
+std::string summary(const StudyResult& study);
+
+struct MeshResult {
+    TriangleMesh mesh;                   ///< as it was read, or repaired; mm
+    MeshHealth health;                   ///< of the mesh; with `repair`, of the repaired mesh
+    std::optional<RepairReport> repair;  ///< contains the health before the repair
+    MeshFitness fitness;
+    bool passed = true;  ///< false: `check` was requested, and the mesh cannot be packed
+    std::string source;  ///< its file
+    std::vector<std::string> files;
+};
+
+/// Checks a mesh, decides whether it can be packed, repairs it if `domain.repair` is set, and
+/// writes it.
+/// @throws ParameterError (an output that is no .stl, or the input itself), InputError, IoError,
+/// ResourceError
+MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks = {});
+
+/// The members of the health, `fit` and `reasons`; `repair` and `files` where there are any;
+/// without a repair `withRepair`, what it would do, null if it is not needed.
+nlohmann::json toJson(const MeshResult& result);
+std::string summary(const MeshResult& result);
+/// Why a mesh did not pass, a line each.
+std::string failures(const MeshResult& result);
 
 }  // namespace vdbpack

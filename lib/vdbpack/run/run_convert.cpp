@@ -1,5 +1,3 @@
-#include "vdbpack/run/run_convert.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/grey_values.h"
@@ -7,9 +5,9 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
-#include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/run/input_pack.h"
+#include "vdbpack/run/run.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,10 +1,12 @@
 // The run that measures any pack or solid: `vdb_pack measure`.
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/domain_image.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/field/voxel_image.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/bond_order.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/solid_stage.h"

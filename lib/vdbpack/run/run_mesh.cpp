@@ -1,11 +1,10 @@
-#include "vdbpack/run/run_mesh.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/run/run.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -3,7 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/pack/pack_to_count.h"
+#include "vdbpack/pack/packer.h"
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/report/measured_pack.h"
 #include "vdbpack/run/estimate.h"
@@ -19,6 +19,7 @@
 #include "vdbpack/run/structure_sample.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/shell_field.h"
+#include "vdbpack/voids/void_families.h"
 
 #include <fmt/format.h>
 
@@ -131,6 +132,7 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
     const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
     std::optional<MadeVoids<Dim>> voids;
     CountedSpheres<Dim> counted;
+    counted.warns = false;  // the run judges what it writes (`warnOfCount`)
     if (recipe.voids.as<FrontHoles>())
         target /= prepared.radii.share;  // about; `packToKeep` comes nearer
     else

@@ -10,6 +10,7 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/made_mesh.h"
+#include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/verify/overlap.h"
 

@@ -4,11 +4,13 @@
 #include "vdbpack/distributed/rank_measures.h"
 #include "vdbpack/distributed/rank_outputs.h"
 #include "vdbpack/domain/intersection_domain.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/options/recipe_file.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/report/measured_pack.h"
 #include "vdbpack/run/densify_stage.h"
@@ -18,6 +20,7 @@
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/view/pack_view.h"
 #include "vdbpack/voids/shell_field.h"
+#include "vdbpack/voids/void_families.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

@@ -20,6 +20,7 @@
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/make_voids.h"
+#include "vdbpack/voids/void_families.h"
 
 #include <cstdint>
 #include <map>

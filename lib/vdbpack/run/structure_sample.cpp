@@ -1,6 +1,7 @@
 #include "vdbpack/run/structure_sample.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/voxel_image.h"
 #include "vdbpack/image/image_file.h"

@@ -1,9 +1,9 @@
-#include "vdbpack/run/study.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/report/study_table.h"
+#include "vdbpack/run/run.h"
 #include "vdbpack/run/run_each.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
-#include "vdbpack/verify/pack_hash.h"
-
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/verify/mix.h"
+#include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_reduce.h>

@@ -1,10 +1,9 @@
 // Protrusion of spheres from their domain.
 #pragma once
 
-#include "vdbpack/core/half_space.h"
+#include "vdbpack/core/box.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/mesh/triangle_mesh.h"
-#include "vdbpack/verify/wall_piece.h"
 #include "vdbpack/verify/wall_shape.h"
 
 #include <cstddef>

@@ -1,6 +1,5 @@
-#include "vdbpack/verify/sizes.h"
-
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/verify/verify.h"
 
 #include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>

@@ -1,6 +1,5 @@
-#include "vdbpack/verify/wall_piece.h"
-
 #include "vdbpack/core/error.h"
+#include "vdbpack/verify/wall_shape.h"
 
 #include <fmt/format.h>
 

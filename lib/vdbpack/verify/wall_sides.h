@@ -5,7 +5,7 @@
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/vec.h"
-#include "vdbpack/verify/wall_piece.h"
+#include "vdbpack/verify/wall_shape.h"
 
 #include <array>
 #include <cstdint>

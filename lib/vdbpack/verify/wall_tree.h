@@ -4,7 +4,7 @@
 #pragma once
 
 #include "vdbpack/core/vec.h"
-#include "vdbpack/verify/wall_piece.h"
+#include "vdbpack/verify/wall_shape.h"
 
 #include <array>
 #include <cstdint>

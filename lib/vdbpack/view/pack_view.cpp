@@ -1,6 +1,7 @@
 #include "vdbpack/view/pack_view.h"
 
 #include "vdbpack/preview/drawn_wall.h"
+#include "vdbpack/report/report.h"
 #include "vdbpack/view/view.h"
 
 #include <optional>

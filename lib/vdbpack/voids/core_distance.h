@@ -1,6 +1,7 @@
 // Private to stamping: distances to the part of a domain that voids are cut into.
 #pragma once
 
+#include "vdbpack/core/depth_range.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/tile_lattice.h"

@@ -1,11 +1,12 @@
 // Spheres that voids remove, and what of the rest is connected.
 #include "vdbpack/core/sphere.h"
-#include "vdbpack/measure/attached.h"
+#include "vdbpack/measure/contacts.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/solve_target.h"
 #include "vdbpack/voids/stamped_solid.h"
 #include "vdbpack/voids/thinning.h"
+#include "vdbpack/voids/void_families.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,10 @@
 // Voids that the front packs among the spheres.
 #include "vdbpack/core/error.h"
+#include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/solve_target.h"
 #include "vdbpack/voids/stamped_solid.h"
+#include "vdbpack/voids/void_families.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "vdbpack/voids/make_voids.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/pack/largest_ball.h"
+#include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/shell_field.h"
 #include "vdbpack/voids/solve_target.h"
 #include "vdbpack/voids/stamped_solid.h"
@@ -35,11 +35,11 @@ void fitTo(const VoidSetting<3>& s, FoamPacks<3>& packs, VoidRecipe& recipe, Voi
     const VoidShapeRecipe& shape = foam.shape;
     report.radius = shape.radius.in(3).scaled(shape.radiusFactor).spec();
     report.parameters = fmt::format(
-        "--voids foam --target-bvtv {:.4g} {}--void-radius {} --void-aspect {} --void-jitter "
-        "{:.4g} "
-        "--void-blend {:.4g} --void-strut {:.4g} --void-strut-share {:.4g} --void-voxel {:.4g}",
+        "`voids` foam `targetBvtv` {:.4g} {}`voids.radius` {} `voids.aspect` {} `voids.jitter` "
+        "{:.4g} `voids.blend` {:.4g} `voids.strut` {:.4g} `voids.strutShare` {:.4g} "
+        "`voids.voxelSize` {:.4g}",
         *foam.targetBvtv,
-        shape.orientation.axis.empty() ? "" : "--void-axis " + shape.orientation.axis + " ",
+        shape.orientation.axis.empty() ? "" : "`orientation.axis` " + shape.orientation.axis + " ",
         report.radius, shape.aspect.spec(), *foam.jitter, *recipe.blend, *recipe.strut,
         *recipe.strutShare, recipe.voxelSize);
 }
@@ -226,6 +226,13 @@ std::vector<std::shared_ptr<const VdbGrid>> MadeVoids<Dim>::levelSets() const {
 }
 
 template <int Dim>
+void noteShell(const VoidSetting<Dim>& setting, VoidReport& report) {
+    const ShellThickness shell = shellOf(setting);
+    report.shell = shell.most();
+    if (!shell.isUniform()) report.leastShell = shell.least();
+}
+
+template <int Dim>
 MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
     MadeVoids<Dim> made;
     made.report.method = nameOf(s.recipe);
@@ -262,6 +269,7 @@ void measureVoids(const VoidSetting<Dim>& s, double contactTolerance, const Pack
 
 #define VDBPACK_INSTANTIATE(Dim)                                                            \
     template struct MadeVoids<Dim>;                                                         \
+    template void noteShell(const VoidSetting<Dim>&, VoidReport&);                          \
     template MadeVoids<Dim> makeVoids(const VoidSetting<Dim>&);                             \
     template MadeVoids<Dim> makeVoids(const Domain<Dim>&, const VoidRecipe&, std::uint64_t, \
                                       const Callbacks&);                                    \

@@ -5,9 +5,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/field/solid.h"
-#include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/stamp.h"
-#include "vdbpack/voids/void_families.h"
 #include "vdbpack/voids/void_field.h"
 #include "vdbpack/voids/void_recipe.h"
 #include "vdbpack/voids/void_report.h"
@@ -17,6 +15,12 @@
 #include <vector>
 
 namespace vdbpack {
+
+struct PackOptions;
+template <int Dim>
+struct PackResult;
+template <int Dim>
+struct VoidSetting;
 
 /// Voids and what they leave. All members are empty without voids, and for methods that only thin.
 template <int Dim>
@@ -33,11 +37,7 @@ struct MadeVoids {
 
 /// Sets the thickness of the shell.
 template <int Dim>
-void noteShell(const VoidSetting<Dim>& setting, VoidReport& report) {
-    const ShellThickness shell = shellOf(setting);
-    report.shell = shell.most();
-    if (!shell.isUniform()) report.leastShell = shell.least();
-}
+void noteShell(const VoidSetting<Dim>& setting, VoidReport& report);
 
 /// Tolerance of the target BV/TV: of what is smaller, the solid or the voids, a share.
 double bvtvTolerance(const VoidRecipe& recipe);

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/rng.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/voids/angle_distribution.h"

@@ -2,12 +2,13 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
-#include "vdbpack/core/rng.h"
 
 #include <memory>
 #include <string>
 
 namespace vdbpack {
+
+class RandomStream;
 
 /// How the direction of a void's axis a is drawn: by angles alone, or scattered about a direction.
 struct OrientationRecipe {

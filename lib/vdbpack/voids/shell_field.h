@@ -2,7 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
-#include "vdbpack/domain/shell_thickness.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <utility>

@@ -6,6 +6,7 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/level_set_builder.h"
+#include "vdbpack/field/linear_sampler.h"
 #include "vdbpack/voids/core_distance.h"
 #include "vdbpack/voids/tile.h"
 #include "vdbpack/voids/tile_entries.h"
@@ -324,8 +325,16 @@ std::shared_ptr<const VdbGrid> StampedVoids<Dim>::grid() const {
 
 template <int Dim>
 StampedVoids<Dim>::Sampler::Sampler(const StampedVoids& voids)
-    : sample_(*voids.impl_->grid, voids.impl_->origin, voids.impl_->voxelSize,
-              voids.impl_->outside) {}
+    : sample_(std::make_unique<LinearSampler<Dim>>(*voids.impl_->grid, voids.impl_->origin,
+                                                   voids.impl_->voxelSize, voids.impl_->outside)) {}
+
+template <int Dim>
+StampedVoids<Dim>::Sampler::~Sampler() = default;
+
+template <int Dim>
+double StampedVoids<Dim>::Sampler::operator()(const Vec<Dim>& x) {
+    return (*sample_)(x);
+}
 
 #define VDBPACK_INSTANTIATE(Dim)                                                               \
     template double joinedDistance(const std::vector<const Ellipsoid<Dim>*>&, const Vec<Dim>&, \

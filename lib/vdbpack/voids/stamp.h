@@ -4,9 +4,6 @@
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
-#include "vdbpack/domain/shell_thickness.h"
-#include "vdbpack/field/linear_sampler.h"
-#include "vdbpack/voids/void_join.h"
 
 #include <cstdint>
 #include <memory>
@@ -14,7 +11,37 @@
 
 namespace vdbpack {
 
+template <int Dim>
+class LinearSampler;
 class VdbGrid;
+
+/// How far apart voids still blend, in lengths of the blend.
+inline constexpr double kBlendReach = 4;
+
+struct VoidJoin {
+    /// Voids whose surfaces come nearer than four times this run into one another, mm; 0: they do
+    /// not. It rounds the edges between them, and opens walls that are thinner.
+    double blend = 0;
+    /// Radius of the struts that remain along the lines where three voids (2D: two) are nearest and
+    /// equally near, however far these overlap, mm; 0: there are none.
+    double strut = 0;
+    double strutShare =
+        1;  ///< of those lines that have a strut, chosen at random by the voids' ids
+
+    bool isNone() const { return !(blend > 0 || strut > 0); }
+    /// How far a void may lie from a point and still change the level set there, mm.
+    double reach(double voxelSize) const {
+        const double ofStruts = strut > 0 ? blend + 3 * voxelSize + strutReach(voxelSize) : 0;
+        return std::max(kBlendReach * blend, ofStruts);
+    }
+    /// Where struts meet the solid, they are rounded over this length, mm.
+    double rounding() const { return 2 * blend; }
+    /// The most by which the distances to the voids of a strut differ, up to three voxels beyond
+    /// its surface, mm.
+    double strutReach(double voxelSize) const {
+        return 1.75 * (strut + rounding() + 3 * voxelSize);
+    }
+};
 
 template <int Dim>
 struct StampOptions {
@@ -72,11 +99,12 @@ public:
     class Sampler {
     public:
         explicit Sampler(const StampedVoids& voids);
+        ~Sampler();
         /// The trilinearly (2D: bilinearly) interpolated distance, mm; clamped to the band.
-        double operator()(const Vec<Dim>& x) { return sample_(x); }
+        double operator()(const Vec<Dim>& x);
 
     private:
-        LinearSampler<Dim> sample_;
+        std::unique_ptr<LinearSampler<Dim>> sample_;
     };
 
     struct Impl;

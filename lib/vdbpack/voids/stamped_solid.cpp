@@ -1,12 +1,13 @@
 #include "vdbpack/voids/stamped_solid.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/measure/morphometry/trabeculae.h"
-#include "vdbpack/pack/largest_ball.h"
+#include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/shell_field.h"
+#include "vdbpack/voids/void_families.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>

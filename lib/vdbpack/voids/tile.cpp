@@ -1,5 +1,6 @@
 #include "vdbpack/voids/tile.h"
 
+#include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/tile_batch.h"
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/void_join.h"
 
 #include <array>

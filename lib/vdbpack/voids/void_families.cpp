@@ -1,13 +1,13 @@
 #include "vdbpack/voids/void_families.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/rng.h"
 #include "vdbpack/domain/core_volume.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/dilated_pack.h"
 #include "vdbpack/voids/local_dilation.h"
 #include "vdbpack/voids/orientation.h"
 #include "vdbpack/voids/void_list.h"
-#include "vdbpack/voids/void_matrix.h"
 
 #include <fmt/format.h>
 

@@ -3,6 +3,8 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
+#include "vdbpack/domain/core_volume.h"
+#include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
 
@@ -64,6 +66,11 @@ void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& vo
         }
     });
     keepMarked(reaches, voids);
+}
+
+template <int Dim>
+double VoidRegion<Dim>::volume() const {
+    return coreVolume(domain, shell);
 }
 
 template <int Dim>
@@ -211,6 +218,7 @@ void shuffle(std::vector<Ellipsoid<Dim>>& voids, std::uint64_t seed) {
 
 #define VDBPACK_INSTANTIATE(Dim)                                                                  \
     template struct VoidShape<Dim>;                                                               \
+    template struct VoidRegion<Dim>;                                                              \
     template void keepReaching(const VoidRegion<Dim>&, std::vector<Ellipsoid<Dim>>&);             \
     template std::vector<Ellipsoid<Dim>> booleanVoids(                                            \
         const VoidRegion<Dim>&, const VoidShape<Dim>&, std::uint64_t, double,                     \

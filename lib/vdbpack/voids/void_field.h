@@ -2,10 +2,9 @@
 #pragma once
 
 #include "vdbpack/core/ellipsoid.h"
-#include "vdbpack/domain/core_volume.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/voids/orientation.h"
-#include "vdbpack/voids/void_matrix.h"
 
 #include <array>
 #include <cstdint>
@@ -15,6 +14,8 @@
 #include <vector>
 
 namespace vdbpack {
+
+struct VoidMatrix;
 
 /// Shape of voids: half-axis b, ratio a / b, and the direction of a.
 template <int Dim>
@@ -33,7 +34,7 @@ template <int Dim>
 struct VoidRegion {
     const Domain<Dim>& domain;
     ShellThickness shell{};  ///< below the wall of `domain.envelope()`
-    double volume() const { return coreVolume(domain, shell); }
+    double volume() const;
 };
 
 /// Removes voids that cannot reach deeper than the shell.

@@ -1,4 +1,4 @@
-// How voids join where they come near or overlap, and the struts that remain between them.
+// The voids nearest to a point, and roundings where struts remain between them.
 #pragma once
 
 #include "vdbpack/core/lanes.h"
@@ -10,34 +10,6 @@
 #include <limits>
 
 namespace vdbpack {
-
-/// How far apart voids still blend, in lengths of the blend.
-inline constexpr double kBlendReach = 4;
-
-struct VoidJoin {
-    /// Voids whose surfaces come nearer than four times this run into one another, mm; 0: they do
-    /// not. It rounds the edges between them, and opens walls that are thinner.
-    double blend = 0;
-    /// Radius of the struts that remain along the lines where three voids (2D: two) are nearest and
-    /// equally near, however far these overlap, mm; 0: there are none.
-    double strut = 0;
-    double strutShare =
-        1;  ///< of those lines that have a strut, chosen at random by the voids' ids
-
-    bool isNone() const { return !(blend > 0 || strut > 0); }
-    /// How far a void may lie from a point and still change the level set there, mm.
-    double reach(double voxelSize) const {
-        const double ofStruts = strut > 0 ? blend + 3 * voxelSize + strutReach(voxelSize) : 0;
-        return std::max(kBlendReach * blend, ofStruts);
-    }
-    /// Where struts meet the solid, they are rounded over this length, mm.
-    double rounding() const { return 2 * blend; }
-    /// The most by which the distances to the voids of a strut differ, up to three voxels beyond
-    /// its surface, mm.
-    double strutReach(double voxelSize) const {
-        return 1.75 * (strut + rounding() + 3 * voxelSize);
-    }
-};
 
 /// The voids that are nearest to a point (one number) or to eight: three in space, two in a plane.
 template <int Dim, class Number, class Word>

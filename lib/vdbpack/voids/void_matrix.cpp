@@ -1,9 +1,8 @@
-#include "vdbpack/voids/void_matrix.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/input_file.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
 

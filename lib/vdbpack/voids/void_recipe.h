@@ -1,7 +1,7 @@
 // The parameters of voids.
 #pragma once
 
-#include "vdbpack/pack/size_request.h"
+#include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/voids/orientation.h"
 
 #include <optional>
@@ -140,18 +140,18 @@ struct VoidRecipe {
     double shell = 0;   ///< thickness of the layer along the wall that is kept free of voids
     /// The same by place, in place of `shell`: a file that `readScalarField` reads, in mm; empty:
     /// it is the same everywhere.
-    std::string shellField;
+    std::string shellField{};
     Fill fill = Fill::domain;
     Cull cull = Cull::center;
     bool keepConnected = false;  ///< remove spheres that are not connected to the shell
     double voxelSize = 0;        ///< of the level sets; 0: chosen by the program
     /// Length over which voids run into one another; nothing: of foam a tenth of the mean b, else
     /// 0.
-    std::optional<double> blend;
+    std::optional<double> blend{};
     /// Thickness of struts between voids that overlap; nothing: of foam a fifth of the mean b
     /// (2D: 0.08), else 0.
-    std::optional<double> strut;
-    std::optional<double> strutShare;  ///< of the lines between voids that have one; nothing: all
+    std::optional<double> strut{};
+    std::optional<double> strutShare{};  ///< of the lines between voids that have one; nothing: all
 
     bool empty() const { return std::holds_alternative<std::monostate>(method); }
     bool hasShell() const { return shell > 0 || !shellField.empty(); }

@@ -40,8 +40,9 @@ struct VoidReport {
     std::vector<TargetReport> targets;   ///< of a structure, as found in a specimen
     /// Kolmogorov-Smirnov distances of local thickness and spacing from a sample.
     std::optional<double> thicknessDistance, separationDistance;
-    double specimen = 0;                  ///< shortest side of that specimen, mm; 0: none
-    std::string parameters;               ///< of the foam that was found for them
+    double specimen = 0;  ///< shortest side of that specimen, mm; 0: none
+    /// Of the foam that was found for them: names between backquotes, each before its value.
+    std::string parameters;
     std::optional<double> solidAttached;  ///< share connected to the shell
     std::uint64_t solidPieces = 0;
     std::uint64_t culled = 0;               ///< spheres that the voids removed

@@ -3,7 +3,6 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/measure/morphometry/length_statistics.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/measure/morphometry/phase_tally.h"
 

@@ -1,6 +1,5 @@
-#include "vdbpack/measure/morphometry/length_statistics.h"
-
 #include "vdbpack/core/error.h"
+#include "vdbpack/measure/morphometry/morphometry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "vdbpack/domain/domain.h"
-#include "vdbpack/domain/shell_thickness.h"
 
 #include <functional>
 #include <optional>

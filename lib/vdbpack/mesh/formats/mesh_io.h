@@ -1,4 +1,4 @@
-// Triangle meshes from files.
+// Triangle meshes from files, and as STL.
 #pragma once
 
 #include "vdbpack/core/units.h"
@@ -41,5 +41,12 @@ struct CrossedFaces {
 /// that the file is too small for.
 TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options = {},
                       CrossedFaces* crossed = nullptr);
+
+/// Writes a mesh (mm) as binary STL: coordinates in `unit` as 32-bit floats, normals by the order
+/// of the corners, outward where that is. The header names unit and `generator`. Whole or absent.
+/// @throws ParameterError (a vertex that does not exist or is not finite; more than 2^32 - 1
+/// triangles), IoError
+void writeStl(const TriangleMesh& mesh, const std::string& file, Unit unit = Unit::millimeter,
+              const std::string& generator = {});
 
 }  // namespace vdbpack

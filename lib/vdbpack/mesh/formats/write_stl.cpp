@@ -1,10 +1,9 @@
-#include "vdbpack/mesh/formats/write_stl.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/row_writer.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 
 #include <fmt/format.h>
 

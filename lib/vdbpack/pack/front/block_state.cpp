@@ -1,5 +1,7 @@
 #include "vdbpack/pack/front/block_state.h"
 
+#include "vdbpack/core/depth_range.h"
+
 namespace vdbpack {
 
 template <int Dim>

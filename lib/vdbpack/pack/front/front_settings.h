@@ -2,7 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/vec.h"
-#include "vdbpack/pack/order.h"
+#include "vdbpack/pack/pack_options.h"
 
 namespace vdbpack {
 

@@ -1,5 +1,6 @@
 #include "vdbpack/pack/front/vacancy_search.h"
 
+#include "vdbpack/core/depth_range.h"
 #include "vdbpack/core/lanes.h"
 
 #include <limits>
