@@ -16,6 +16,7 @@
 #include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <pybind11/stl.h>
 

@@ -9,6 +9,7 @@
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

@@ -8,6 +8,7 @@
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

@@ -7,6 +7,7 @@
 #include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>

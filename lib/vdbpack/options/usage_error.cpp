@@ -3,6 +3,7 @@
 #include "vdbpack/options/suggest.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 

@@ -6,6 +6,7 @@
 #include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>

@@ -7,6 +7,7 @@
 #include "vdbpack/pack/size_shape.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

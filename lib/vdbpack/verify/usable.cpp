@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

@@ -7,6 +7,7 @@
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
