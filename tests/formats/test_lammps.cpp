@@ -3,17 +3,7 @@
 #include "formats/lattice_pack.h"
 #include "support/test.h"
 
-namespace {
-
-/// The column of this name.
-Column columnOf(const Pack<3>& pack, const std::string& name) {
-    for (const Column& column : pack.columns)
-        if (column.name == name) return column;
-    FAIL("no column " << name);
-    return {};
-}
-
-}  // namespace
+#include "vdbpack/formats/materials.h"
 
 TEST_CASE("a LAMMPS data file keeps ids, types and densities") {
     const auto pack = readText("p.data", std::string(kHeader) + kAtoms);
@@ -21,9 +11,9 @@ TEST_CASE("a LAMMPS data file keeps ids, types and densities") {
     REQUIRE(pack.id == std::vector<std::int64_t>{7, 4});
     REQUIRE(pack.region.empty());
     REQUIRE(pack.columns.size() == 5);
-    REQUIRE(columnOf(pack, "type").numbers == std::vector<double>{1, 3});
-    REQUIRE(columnOf(pack, "density").numbers == std::vector<double>{2500, 1000});
-    REQUIRE(columnOf(pack, "iz").numbers == std::vector<double>{0, -1});
+    REQUIRE(columnOfNumbers(pack, "type")->numbers == std::vector<double>{1, 3});
+    REQUIRE(columnOfNumbers(pack, "density")->numbers == std::vector<double>{2500, 1000});
+    REQUIRE(columnOfNumbers(pack, "iz")->numbers == std::vector<double>{0, -1});
 }
 
 TEST_CASE("data files may order and comment their lines as LAMMPS allows") {
@@ -53,7 +43,7 @@ TEST_CASE("bonded particles and type labels are read from data files") {
                                  "t\n1 atoms\n1 atom types\nAtoms # bpm/sphere\n\n"
                                  "1 9 1 2.0 1.5 4 5 -6\n");
     REQUIRE(bonded.spheres == std::vector<Sphere<3>>{kTwo[1]});
-    REQUIRE(columnOf(bonded, "molecule").numbers == std::vector<double>{9});
+    REQUIRE(columnOfNumbers(bonded, "molecule")->numbers == std::vector<double>{9});
     const auto labels = readText("p.data",
                                  "t\n2 atoms\n2 atom types\nAtom Type Labels\n\n1 soft\n2 hard\n\n"
                                  "Masses\n\nsoft 1\nhard 2\n\nAtoms # sphere\n\n"
@@ -186,7 +176,7 @@ TEST_CASE("densities may go by region") {
     pack.region = {0, 1, 0, 2};
     pack.columns.push_back({"density", {7, 7, 7, 7}, {}});
     const auto read = readText("p.data", written(pack, options));
-    REQUIRE(columnOf(read, "density").numbers ==
+    REQUIRE(columnOfNumbers(read, "density")->numbers ==
             std::vector<double>{1900, 1100, 1900, kDefaultDensity});
     options.materialDensity = {{0, -1}};
     REQUIRE_THROWS_AS(written(pack, options), ParameterError);

@@ -2,10 +2,6 @@
 #include "formats/lattice_pack.h"
 #include "support/test.h"
 
-#include <sys/resource.h>
-
-#include <csignal>
-
 namespace {
 
 Pack<3> asSpheres(const Pack<3>& pack) {
@@ -18,30 +14,6 @@ Pack<3> asSpheres(const Pack<2>& pack) {
     static_cast<PackAttributes&>(out) = pack;
     return out;
 }
-
-/// Limits the size of files that the process may write; longer ones fail as on a full disk.
-class FileSizeLimit {
-public:
-    explicit FileSizeLimit(rlim_t bytes) {
-        ::getrlimit(RLIMIT_FSIZE, &former_);
-        handler_ = std::signal(SIGXFSZ, SIG_IGN);
-        rlimit now = former_;
-        now.rlim_cur = bytes;
-        ::setrlimit(RLIMIT_FSIZE, &now);
-    }
-    ~FileSizeLimit() {
-        ::setrlimit(RLIMIT_FSIZE, &former_);
-        std::signal(SIGXFSZ, handler_);
-    }
-    FileSizeLimit(const FileSizeLimit&) = delete;
-    FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
-private:
-    rlimit former_{};
-    void (*handler_)(int) = nullptr;
-};
-
-const char* const kFiles[] = {"p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt"};
 
 }  // namespace
 
@@ -217,34 +189,6 @@ TEST_CASE("spheres that no file can hold are the caller's mistake") {
         CHECK_THROWS_AS(writePack(pack, scratch.file("p.csv"), {}), ParameterError);
     }
     REQUIRE(scratch.files() == 0);
-}
-
-TEST_CASE("a failed write leaves the former file and no other") {
-    const std::string name =
-        GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt");
-    const std::size_t limit = GENERATE(0u, 100u, 20'000u);
-    CAPTURE(name, limit);
-    const TemporaryFolder scratch;
-    const std::string file = inFolder(scratch, name);
-    const auto before = latticePack<3>(10, {}, 4, 10);
-    writePack(before, file, {});
-    const auto pack = latticePack<3>(5000, {}, 60, 11);
-    {
-        const FileSizeLimit full(limit);
-        REQUIRE_THROWS_AS(writePack(pack, file, {}), IoError);
-    }
-    REQUIRE(scratch.files() == 1);
-    REQUIRE(readPack(file).spheres.size() == before.spheres.size());
-}
-
-TEST_CASE("a folder that does not exist is an IoError") {
-    const TemporaryFolder scratch;
-    for (const char* name : kFiles) {
-        CAPTURE(name);
-        const std::string file = inFolder(scratch, "none/" + std::string("p.csv"));
-        REQUIRE_THROWS_AS(writePack(Pack<3>{}, file, {}), IoError);
-        REQUIRE_THROWS_AS(readPack(inFolder(scratch, name)), IoError);
-    }
 }
 
 TEST_CASE("spheres at different heights are no circles") {

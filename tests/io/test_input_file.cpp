@@ -99,16 +99,3 @@ TEST_CASE("files that cannot be read are refused with their name") {
     CHECK_THAT(messageOf<InputError>([&] { file.readAt(3, bytes, 6); }),
                Contains(made.path()) && Contains("byte 5"));
 }
-
-TEST_CASE("errors name the line or the byte") {
-    const TextFile made("a\nb\n");
-    InputFile file(made.path());
-    file.skipByteOrderMark();
-    std::string_view line;
-    file.nextLine(line);
-    file.nextLine(line);
-    CHECK(messageOf<InputError>([&] { file.failAtLine("is wrong"); }) ==
-          made.path() + ": line 2: is wrong");
-    CHECK(messageOf<InputError>([&] { file.failAtByte(7, "is wrong"); }) ==
-          made.path() + ": byte 7: is wrong");
-}

@@ -102,15 +102,6 @@ TEST_CASE("a folder that is gone before the file is complete is reported, and no
     CHECK(folder.files() == 0);
 }
 
-TEST_CASE("names as long as a file system takes are written") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file(std::string(251, 'n') + ".csv");
-    writeWhole(file, "content");
-    CHECK(contentOf(file) == "content");
-    CHECK_THROWS_AS(writeWhole(folder.file(std::string(300, 'n')), "content"), IoError);
-    CHECK(folder.files() == 1);
-}
-
 TEST_CASE("of several that write one file at once, one leaves its own whole") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.csv");

@@ -174,9 +174,8 @@ TEST_CASE("where meshes overlap, the later part has the space") {
     CHECK(points.spheres == pack.spheres);
     CHECK(partsIn(readPack(folder.file("p.vdb"))) == parts);
     CHECK(partsIn(atoms) == parts);
-    const auto density = std::find_if(atoms.columns.begin(), atoms.columns.end(),
-                                      [](const Column& c) { return c.name == "density"; });
-    REQUIRE(density != atoms.columns.end());
+    const Column* density = columnOfNumbers(atoms, "density");
+    REQUIRE(density);
     for (std::size_t i = 0; i < parts.size(); ++i)
         CHECK(density->numbers[i] == Approx(parts[i] == 0 ? 1.8e-9 : 4.43e-9));
     CHECK_THAT(contentOf(folder.file("c.csv")), Contains("part_i,part_j"));
