@@ -62,7 +62,7 @@ TEST_CASE("depth is the distance to the wall, however deep") {
 
 TEST_CASE("a pack does not depend on how it is reported") {
     const TemporaryFolder folder;
-    writeObj(ballMesh(22, 4), folder.file("b.obj"));
+    writeObj(ballMesh(34, 4), folder.file("b.obj"));
     PackRecipe recipe = recipeFor(folder.file("b.obj"), "uniform:1,2");
     recipe.reportFile = folder.file("p.json");
     const auto plain = runPack(recipe);
