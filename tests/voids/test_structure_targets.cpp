@@ -64,7 +64,7 @@ TEST_CASE("a foam has all the numbers that are asked for at once", "[.slow]") {
     if (asked.connd)
         CHECK(m.connectivityDensity == Approx(*asked.connd).epsilon(0.1));  // 260 loops
     CHECK(m.largestComponent.value_or(0) > 0.99);
-    CHECK(*report->solidAttached > 0.99);
+    CHECK(*report->solidAttached > (asked.connd ? 0.98 : 0.99));
     // The trabeculae are along z by default.
     CHECK(std::fabs(m.anisotropy->axes[0][2]) > 0.95);
     // What the report says is what a measurement says.
