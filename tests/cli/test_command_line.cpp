@@ -1,24 +1,17 @@
-#include "support/temporary_folder.h"
+#include "support/test.h"
 #include "support/tool.h"
 #include "support/well_formed.h"
 
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 
-using namespace vdbpack::test;
-
-TEST_CASE("pack prints a summary and writes its files and report", "[cli]") {
+TEST_CASE("pack prints a summary and writes its files and report") {
     const TemporaryFolder folder;
     const auto out =
         vdbPack("pack ball:10 --radius uniform:1,2 --seed 3 -o " + folder.file("p.csv") + " -o " +
                 folder.file("p.vtp") + " --report " + folder.file("p.json"));
     CAPTURE(out.text);
     REQUIRE(out.code == 0);
-    CHECK_THAT(out.text, Catch::Contains("spheres") && Catch::Contains("p.csv"));
+    CHECK_THAT(out.text, Contains("spheres") && Contains("p.csv"));
     std::ifstream file(folder.file("p.json"));
     const auto report = nlohmann::json::parse(file);
     CHECK(report["seed"] == 3);
@@ -36,39 +29,35 @@ TEST_CASE("pack prints a summary and writes its files and report", "[cli]") {
     CHECK(nlohmann::json::parse(verified.text)["hash"] == report["hash"]);
 }
 
-TEST_CASE("a report is a page for the browser if its name says so", "[cli][report]") {
+TEST_CASE("a report is a page for the browser if its name says so") {
     const TemporaryFolder folder;
     const auto pageOf = [&](const std::string& name) {
-        std::ifstream file(folder.file(name));
-        std::stringstream text;
-        text << file.rdbuf();
-        const std::string page = text.str();
-        CHECK(vdbpack::test::flawIn(page) == "");
+        const std::string page = contentOf(folder.file(name));
+        CHECK(flawIn(page) == "");
         return page;
     };
-    const std::string odd = folder.file("a <b> & 'c'.csv");
-    const std::string quoted = "\"" + odd + "\"";
+    const std::string odd = folder.file("a <b> & 'c'.csv"), quoted = "\"" + odd + "\"";
     const auto out = vdbPack("pack ball:10 --radius uniform:1,2 -o " + quoted + " --report " +
                              folder.file("p.html"));
     CAPTURE(out.text);
     REQUIRE(out.code == 0);
-    CHECK_THAT(out.text, Catch::Contains("p.html"));
-    CHECK_THAT(pageOf("p.html"), Catch::Contains("ball:10") && Catch::Contains("chart-profile") &&
-                                     Catch::Contains("uniform:1,2") &&
-                                     Catch::Contains("a &lt;b&gt; &amp; &#39;c&#39;.csv"));
+    CHECK_THAT(out.text, Contains("p.html"));
+    CHECK_THAT(pageOf("p.html"), Contains("ball:10") && Contains("chart-profile") &&
+                                     Contains("uniform:1,2") &&
+                                     Contains("a &lt;b&gt; &amp; &#39;c&#39;.csv"));
     REQUIRE(vdbPack("measure " + quoted + " --report " + folder.file("m.html")).code == 0);
-    CHECK_THAT(pageOf("m.html"), Catch::Contains("&#39;c&#39;.csv") && Catch::Contains("--domain"));
+    CHECK_THAT(pageOf("m.html"), Contains("&#39;c&#39;.csv") && Contains("--domain"));
     REQUIRE(vdbPack("pack rect:30,30 --radius uniform:1,2 --seed 4..5 --report " +
                     folder.file("'s{seed}.html'"))
                 .code == 0);
-    CHECK_THAT(pageOf("s4.html"), Catch::Contains("circles"));
+    CHECK_THAT(pageOf("s4.html"), Contains("circles"));
     CHECK(pageOf("s5.html") != pageOf("s4.html"));
     const auto text = vdbPack("pack ball:10 --report " + folder.file("p.txt"));
     CHECK(text.code == 2);
-    CHECK_THAT(text.text, Catch::Contains(".json") && Catch::Contains(".html"));
+    CHECK_THAT(text.text, Contains(".json") && Contains(".html"));
 }
 
-TEST_CASE("the command in a report can be run again", "[cli][report]") {
+TEST_CASE("the command in a report can be run again") {
     const TemporaryFolder folder;
     const std::string arguments =
         "pack ball:8 --radius uniform:1,2 --seed 3 -o '" + folder.file("it'\\''s a; b.csv") + "'";
@@ -78,7 +67,7 @@ TEST_CASE("the command in a report can be run again", "[cli][report]") {
     CHECK(first["command"] == second["command"]);
 }
 
-TEST_CASE("a recipe sets options and the command line wins", "[cli]") {
+TEST_CASE("a recipe sets options and the command line wins") {
     const TemporaryFolder folder;
     std::ofstream(folder.file("r.toml")) << "radius = \"uniform:1,2\"\nseed = 9\n";
     const auto out = vdbPack("pack ball:8 --config " + folder.file("r.toml") + " --seed 4 --json");
@@ -91,7 +80,7 @@ TEST_CASE("a recipe sets options and the command line wins", "[cli]") {
     CHECK(vdbPack("pack ball:8 --config " + folder.file("bad.toml")).code == 2);
 }
 
-TEST_CASE("every kind of failure has its exit code", "[cli]") {
+TEST_CASE("every kind of failure has its exit code") {
     const TemporaryFolder folder;
     CHECK(vdbPack("").code == 2);
     CHECK(vdbPack("pack").code == 2);
@@ -99,17 +88,10 @@ TEST_CASE("every kind of failure has its exit code", "[cli]") {
     CHECK(vdbPack("pack ball:8 --radius uniform:2 --json").code == 2);
     CHECK(vdbPack("pack ball:8 --unit parsec").code == 2);
     CHECK(vdbPack("pack ball:8 --radius ''").code == 2);
-    CHECK_THAT(vdbPack("pack ball:8 --target-count -5").text,
-               Catch::Contains("--target-count") && Catch::Contains("'-5'"));
     CHECK_THAT(vdbPack("pack ball:8 --order bogus").text,
-               Catch::Contains("sweep, wall, centre, center, fifo"));
-    CHECK_THAT(vdbPack("pack ball:8 --unit inch").text, Catch::Contains("m, cm, mm, um"));
-    for (const char* gap : {"-1", "inf", "abc", "nan"}) {
-        const auto out = vdbPack(std::string("pack ball:8 --gap ") + gap);
-        CHECK(out.code == 2);
-        CHECK_THAT(out.text, Catch::Contains("--gap"));
-        CHECK(out.text.size() < 200);
-    }
+               Contains("sweep, wall, centre, center, fifo"));
+    CHECK_THAT(vdbPack("pack ball:8 --unit inch").text, Contains("m, cm, mm, um"));
+    CHECK(vdbPack("pack ball:8 --gap abc").text.size() < 200);
     CHECK(vdbPack("pack ball:1 --radius uniform:4,5 --json").code == 3);
     CHECK(vdbPack("pack --json " + folder.file("none.stl")).code == 4);
     CHECK(vdbPack("pack ball:8 --radius uniform:1,2 -o " + folder.file("no/p.csv")).code == 4);
@@ -119,35 +101,24 @@ TEST_CASE("every kind of failure has its exit code", "[cli]") {
     std::ofstream(folder.file("p.csv")) << "x,y,z,radius\n0,0,0,1\n1,0,0,1\n";
     const auto out = vdbPack("verify " + folder.file("p.csv"));
     CHECK(out.code == 1);
-    CHECK_THAT(out.text, Catch::Contains("FAILED"));
+    CHECK_THAT(out.text, Contains("FAILED"));
     std::ofstream(folder.file("g.csv")) << "x,y,z,radius\n0,0,0,1\n2.5,0,0,1\n";
     CHECK(vdbPack("verify " + folder.file("g.csv") + " --gap 0.4").code == 0);
     CHECK(vdbPack("verify " + folder.file("g.csv") + " --gap 0.6").code == 1);
 }
 
-TEST_CASE("a dry run tells what to expect and writes nothing", "[cli]") {
+TEST_CASE("a dry run tells what to expect and writes nothing") {
     const TemporaryFolder folder;
     const auto out =
         vdbPack("pack ball:10 --radius uniform:1,2 --dry-run -o " + folder.file("p.csv"));
     CHECK(out.code == 0);
-    CHECK_THAT(out.text, Catch::Contains("dry run") && Catch::Contains("memory"));
+    CHECK_THAT(out.text, Contains("dry run") && Contains("memory"));
     CHECK_FALSE(std::ifstream(folder.file("p.csv")).good());
     const auto json = vdbPack("pack ball:10 --radius uniform:1,2 --dry-run --json");
     CHECK(nlohmann::json::parse(json.text)["dryRun"] == true);
 }
 
-TEST_CASE("mesh reports the health of a file", "[cli]") {
-    const TemporaryFolder folder;
-    std::ofstream(folder.file("t.obj")) << "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\n"
-                                           "f 1 3 2\nf 1 2 4\nf 2 3 4\n";
-    const auto out = vdbPack("mesh " + folder.file("t.obj"));
-    CHECK(out.code == 0);
-    CHECK_THAT(out.text, Catch::Contains("boundary"));
-    const auto json = vdbPack("mesh --json " + folder.file("t.obj"));
-    CHECK(nlohmann::json::parse(json.text)["triangles"] == 3);
-}
-
-TEST_CASE("voids and carve end with the code that fits", "[cli][voids]") {
+TEST_CASE("voids and carve end with the code that fits") {
     const TemporaryFolder folder;
     const std::string solid = folder.file("v.vdb"), list = folder.file("v.csv");
     const auto voids = vdbPack(
@@ -175,6 +146,6 @@ TEST_CASE("voids and carve end with the code that fits", "[cli][voids]") {
     const auto far = vdbPack("voids box:12,12,12 --voids grid --void-cell 2 --target-bvtv 0.1 -o " +
                              folder.file("far.vdb"));
     CHECK(far.code == 2);
-    CHECK_THAT(far.text, Catch::Contains("--target-bvtv") && Catch::Contains("0.4"));
+    CHECK_THAT(far.text, Contains("--target-bvtv") && Contains("0.4"));
     CHECK_FALSE(std::ifstream(folder.file("far.vdb")).good());
 }

@@ -1,27 +1,12 @@
 // pack --densify and vdb_pack densify.
-#include "cli/recipes.h"
+#include "support/jobs.h"
 #include "support/limited_tool.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 #include "support/tool.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/run/run.h"
 
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
-#include <fstream>
-#include <limits>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-using test::recipeFor;
-using test::vdbPack;
-
-TEST_CASE("pack --densify reaches the fraction, and its report says how", "[cli][densify]") {
+TEST_CASE("pack --densify reaches the fraction, and its report says how") {
     auto recipe = recipeFor("box:30,30,30", "uniform:1,2");
     const auto before = runPack(recipe);
     recipe.densify.fraction = 0.62;
@@ -56,10 +41,9 @@ TEST_CASE("pack --densify reaches the fraction, and its report says how", "[cli]
     CHECK(pack.order.back() == static_cast<std::int64_t>(pack.spheres.size()) - 1);
 }
 
-TEST_CASE("existing spheres stay while the others get denser", "[cli][densify]") {
+TEST_CASE("existing spheres stay while the others get denser") {
     const TemporaryFolder folder;
-    auto standing = recipeFor("ball:6", "uniform:1,2");
-    standing.outputs = {folder.file("a.csv")};
+    auto standing = recipeFor("ball:6", "uniform:1,2", folder.file("a.csv"));
     const auto first = std::get<Pack<3>>(runPack(standing).pack).spheres;
     auto recipe = recipeFor("box:26,26,26", "uniform:1,2");
     recipe.existing = folder.file("a.csv");
@@ -74,8 +58,7 @@ TEST_CASE("existing spheres stay while the others get denser", "[cli][densify]")
     CHECK(run.report.solidFractionTotal.value_or(0) > 0.585);
 }
 
-TEST_CASE("equal spheres that crystallize while they are densified are reported",
-          "[cli][densify]") {
+TEST_CASE("equal spheres that crystallize while they are densified are reported") {
     const auto warningsAt = [](double fraction) {
         auto recipe = recipeFor("box:30,30,30", "constant:1");
         recipe.densify.fraction = fraction;
@@ -92,7 +75,7 @@ TEST_CASE("equal spheres that crystallize while they are densified are reported"
     CHECK(warningsAt(std::numeric_limits<double>::infinity()) == 1);
 }
 
-TEST_CASE("a densified pack has the requested count", "[cli][densify]") {
+TEST_CASE("a densified pack has the requested count") {
     auto recipe = recipeFor("ball:20", "uniform:1,2");
     recipe.targetCount = 3000;
     recipe.densify.fraction = 0.625;
@@ -102,31 +85,10 @@ TEST_CASE("a densified pack has the requested count", "[cli][densify]") {
     CHECK(run.report.solidFractionTotal.value_or(0) >= 0.625);
 }
 
-TEST_CASE("a pack interrupted while it gets denser is kept as the front left it",
-          "[cli][densify]") {
-    auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
-    const auto front = runPack(recipe);
-    recipe.densify.fraction = 0.65;
-    bool begun = false;
-    Callbacks callbacks;
-    callbacks.progress = [&](const Progress& p) {
-        begun = begun || p.stage.rfind("densify", 0) == 0;
-    };
-    callbacks.cancelled = [&] { return begun; };
-    const auto run = runPack(recipe, callbacks);
-    REQUIRE(begun);
-    CHECK(run.passed);
-    CHECK(run.report.interrupted);
-    CHECK(run.report.hash == front.report.hash);
-    CHECK(run.report.densified->after == Approx(run.report.densified->before));
-}
-
-TEST_CASE("voids are cut after a pack got denser", "[cli][densify]") {
+TEST_CASE("voids are cut after a pack got denser") {
     auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
     recipe.densify.fraction = 0.61;
-    recipe.request.method = "boolean";
-    recipe.request.radius = "constant:3";
-    recipe.request.targetBvtv = 0.8;
+    setVoids(recipe.request, "boolean", "constant:3", 0.8);
     const auto run = runPack(recipe);
     CHECK(run.passed);
     CHECK(run.report.densified->after >= 0.61);
@@ -134,7 +96,7 @@ TEST_CASE("voids are cut after a pack got denser", "[cli][densify]") {
     CHECK(run.report.ks.value_or(1) < 0.05);
 }
 
-TEST_CASE("densify takes packs of other programs, with their names and columns", "[cli][densify]") {
+TEST_CASE("densify takes packs of other programs, with their names and columns") {
     const TemporaryFolder folder;
     std::ofstream(folder.file("p.csv"))
         << ("id,x,y,z,radius,material\n7,0,0,0,1,bone\n3,1.5,0,0,1,tooth\n"
@@ -162,11 +124,10 @@ TEST_CASE("densify takes packs of other programs, with their names and columns",
     CHECK(again.code == 0);
 }
 
-TEST_CASE("densify adds spheres to the regions that a pack has", "[cli][densify]") {
+TEST_CASE("densify adds spheres to the regions that a pack has") {
     const TemporaryFolder folder;
-    auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
+    auto recipe = recipeFor("box:24,24,24", "uniform:1,2", folder.file("p.csv"));
     recipe.request.shell = 4;
-    recipe.outputs = {folder.file("p.csv")};
     const auto before = std::get<Pack<3>>(runPack(recipe).pack);
     const auto run = vdbPack("densify " + folder.file("p.csv") +
                              " --domain box:24,24,24 --densify 0.61 -o " + folder.file("q.csv"));
@@ -184,8 +145,7 @@ TEST_CASE("densify adds spheres to the regions that a pack has", "[cli][densify]
     }
 }
 
-TEST_CASE("a pack that cannot be separated is written as it was, with exit code 1",
-          "[cli][densify]") {
+TEST_CASE("a pack that cannot be separated is written as it was, with exit code 1") {
     const TemporaryFolder folder;
     std::string text = "x,y,z,radius\n";
     for (int i = 0; i < 40; ++i) text += "0.0,0.0," + std::to_string(i * 0.01) + ",1\n";
@@ -197,35 +157,11 @@ TEST_CASE("a pack that cannot be separated is written as it was, with exit code 
     CHECK(readPack(folder.file("q.csv")).spheres == readPack(folder.file("p.csv")).spheres);
 }
 
-TEST_CASE("densities that make no sense are refused", "[cli][densify]") {
+TEST_CASE("densify tells what it does not keep") {
     const TemporaryFolder folder;
-    std::ofstream(folder.file("p.csv")) << "x,y,z,radius\n0,0,0,1\n";
-    const auto refused = [](const std::string& words, const std::string& why) {
-        const auto run = vdbPack(words + " --json");
-        CAPTURE(words);
-        CHECK(run.code == 2);
-        CHECK_THAT(run.text, Contains(why));
-    };
-    refused("pack ball:9 --densify 0", "'0': must be max or a solid fraction above 0");
-    refused("pack ball:9 --densify 1", "'1': must be max");
-    refused("pack ball:9 --densify nan", "'nan': must be max");
-    refused("pack ball:9 --densify 0.6x", "'0.6x': must be max");
-    refused("pack ball:9 --densify most", "'most': must be max");
-    refused("pack ball:9 --densify 0.97", "0.97");
-    refused("pack ball:9 --densify 0.6 --max-count 9", "leave one out");
-    refused(
-        "pack ball:9 --densify 0.6 --voids mixed --void-radius constant:2 --void-probability 0.1",
-        "would move the holes");
-    refused("densify " + folder.file("p.csv"), "--domain");
-}
-
-TEST_CASE("densify tells what it does not keep", "[cli][densify]") {
-    const TemporaryFolder folder;
-    auto recipe = recipeFor("periodic:16,16,16", "uniform:1,1.5");
-    recipe.outputs = {folder.file("cell.vtp")};
+    auto recipe = recipeFor("periodic:16,16,16", "uniform:1,1.5", folder.file("cell.vtp"));
     runPack(recipe);
-    DensifyRecipe again;
-    again.pack = folder.file("cell.vtp");
+    auto again = onPack<DensifyRecipe>(folder.file("cell.vtp"));
     again.densify.fraction = 0.61;
     CHECK(runDensify(again).report.warnings.empty());
     for (const std::string other : {"box:16,16,16", "periodic:17,16,16"}) {
@@ -236,9 +172,8 @@ TEST_CASE("densify tells what it does not keep", "[cli][densify]") {
         CHECK_THAT(warnings.front(), Contains("periodic cell"));
     }
     // A pack with holes.
-    auto sparse = recipeFor("box:20,20,20", "uniform:1,1.5");
+    auto sparse = recipeFor("box:20,20,20", "uniform:1,1.5", folder.file("sparse.csv"));
     sparse.packing.gap = 1;
-    sparse.outputs = {folder.file("sparse.csv")};
     runPack(sparse);
     again = {};
     again.pack = folder.file("sparse.csv");

@@ -1,36 +1,13 @@
 // What a new user meets: the program without words, the demo, manual pages.
 #include "cli/first_steps.h"
-#include "support/paths.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 #include "support/tool.h"
 
 #include "vdbpack/options/command_line.h"
 
-#include <catch2/catch.hpp>
-
-#include <filesystem>
-#include <sstream>
-#include <string>
 #include <variant>
-#include <vector>
 
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-
-namespace {
-
-std::vector<std::string> wordsOf(const std::string& line) {
-    std::istringstream stream(line);
-    std::vector<std::string> words;
-    for (std::string word; stream >> word;) words.push_back(word);
-    return words;
-}
-
-}  // namespace
-
-TEST_CASE("without words a terminal is shown commands that can be run", "[cli]") {
+TEST_CASE("without words a terminal is shown commands that can be run") {
     const auto shown = shell("TERM=dumb script -qec '" + kTool + "' /dev/null");
     CHECK(shown.code == 0);
     for (const FirstStep& step : firstSteps()) {
@@ -45,7 +22,7 @@ TEST_CASE("without words a terminal is shown commands that can be run", "[cli]")
     CHECK_THAT(elsewhere.text, Contains("--help"));
 }
 
-TEST_CASE("the demo packs the bundled femur into a folder that it makes", "[cli]") {
+TEST_CASE("the demo packs the bundled femur into a folder that it makes") {
     const TemporaryFolder scratch;
     const std::string folder = scratch.file("a/b");
     const PackJob job = demoJob(folder);
@@ -61,7 +38,7 @@ TEST_CASE("the demo packs the bundled femur into a folder that it makes", "[cli]
     CHECK(vdbPack("demo " + scratch.file("file")).code == 4);
 }
 
-TEST_CASE("the demo ends with a picture", "[cli][.slow]") {
+TEST_CASE("the demo ends with a picture", "[.slow]") {
     const TemporaryFolder scratch;
     const auto out = vdbPack("demo " + scratch.file("out"));
     CHECK(out.code == 0);
@@ -69,7 +46,7 @@ TEST_CASE("the demo ends with a picture", "[cli][.slow]") {
     CHECK_THAT(out.text, Contains("Picture    " + scratch.file("out/femur.png")));
 }
 
-TEST_CASE("manual pages have every command and every option", "[cli]") {
+TEST_CASE("manual pages have every command and every option") {
     const TemporaryFolder scratch;
     REQUIRE(vdbPack("--man-pages " + scratch.file("man")).code == 0);
     const std::string program = contentOf(scratch.file("man/vdb_pack.1"));

@@ -1,29 +1,16 @@
 // What runs give and take, estimated before: spheres, memory, disk space.
-#include "cli/recipes.h"
 #include "support/generators.h"
+#include "support/jobs.h"
 #include "support/limited_tool.h"
 #include "support/mesh_file.h"
-#include "support/paths.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
+#include "support/tool.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/run/estimate.h"
-#include "vdbpack/run/run.h"
 
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-using test::vdbPackWithin;
 
 namespace {
 
@@ -33,17 +20,10 @@ constexpr bool kSanitized = true;  // whose tables are most of the memory
 constexpr bool kSanitized = false;
 #endif
 
-std::vector<std::string> split(const std::string& line) {
-    std::vector<std::string> words;
-    std::istringstream in(line);
-    for (std::string word; in >> word;) words.push_back(word);
-    return words;
-}
-
 /// The memory estimated where less is allowed, though as much as reading takes, and that of the
 /// run.
 std::pair<double, double> estimatedAndTaken(const std::string& line, unsigned seconds) {
-    std::vector<std::string> words = split(line + " --threads 2 --quiet --json");
+    std::vector<std::string> words = wordsOf(line + " --threads 2 --quiet --json");
     const auto run = vdbPackWithin(seconds, words);
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
@@ -61,10 +41,10 @@ std::pair<double, double> estimatedAndTaken(const std::string& line, unsigned se
 
 }  // namespace
 
-TEST_CASE("a dry run comes true within its errors, and writes nothing", "[estimate]") {
+TEST_CASE("a dry run comes true within its errors, and writes nothing") {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("b.obj"), out = folder.file("p.csv");
-    test::writeObj(test::ballMesh(12, 4), mesh);
+    writeObj(ballMesh(12, 4), mesh);
     // The larger sphere lies outside.
     std::ofstream(folder.file("others.csv")) << "x,y,z,radius\n0,0,0,10\n0,0,300,50\n";
     const std::string box = "box:30,30,30 ", beside = " --existing " + folder.file("others.csv");
@@ -96,10 +76,10 @@ TEST_CASE("a dry run comes true within its errors, and writes nothing", "[estima
     for (const std::string& pack : packs) {
         CAPTURE(pack);
         const std::string line = "pack " + pack + " --quiet --json -o " + out;
-        const auto dry = vdbPackWithin(20, split(line + " --dry-run"));
+        const auto dry = vdbPackWithin(20, wordsOf(line + " --dry-run"));
         REQUIRE(dry.code == 0);
         REQUIRE_FALSE(std::filesystem::exists(out));
-        const auto run = vdbPackWithin(60, split(line));
+        const auto run = vdbPackWithin(60, wordsOf(line));
         CAPTURE(dry.text, run.text);
         REQUIRE(run.code == 0);
         std::filesystem::remove(out);
@@ -116,9 +96,8 @@ TEST_CASE("a dry run comes true within its errors, and writes nothing", "[estima
     }
 }
 
-TEST_CASE("a dry run refuses what a run does, and says what densifying cannot reach",
-          "[estimate][bad]") {
-    PackRecipe recipe = test::recipeFor("box:40,40,40", "uniform:1,2");
+TEST_CASE("a dry run refuses what a run does, and says what densifying cannot reach") {
+    PackRecipe recipe = recipeFor("box:40,40,40", "uniform:1,2");
     recipe.densify.fraction = 0.8;
     CHECK_FALSE(dryRunPack(recipe).densified);
     recipe.densify.fraction = 0.64;
@@ -130,9 +109,9 @@ TEST_CASE("a dry run refuses what a run does, and says what densifying cannot re
     CHECK_THROWS_AS(dryRunPack(recipe), InputError);
 }
 
-TEST_CASE("a clip leaves the volume that is reported", "[estimate]") {
+TEST_CASE("a clip leaves the volume that is reported") {
     const TemporaryFolder folder;
-    test::writeObj(test::ballMesh(12, 4), folder.file("b.obj"));
+    writeObj(ballMesh(12, 4), folder.file("b.obj"));
     DomainRecipe recipe;
     recipe.source = folder.file("b.obj");
     const double whole = DomainSource(recipe).clippedVolume();
@@ -144,10 +123,10 @@ TEST_CASE("a clip leaves the volume that is reported", "[estimate]") {
     CHECK(DomainSource(recipe).clippedVolume() == 0);
 }
 
-TEST_CASE("a request beyond all memory is refused at once with its parts", "[estimate][bad]") {
+TEST_CASE("a request beyond all memory is refused at once with its parts") {
     const TemporaryFolder folder;
     const std::string ball = folder.file("b.obj");
-    test::writeObj(test::ballMesh(12, 4), ball);
+    writeObj(ballMesh(12, 4), ball);
     struct Case {
         std::string line;
         const char* part;
@@ -174,7 +153,7 @@ TEST_CASE("a request beyond all memory is refused at once with its parts", "[est
          "larger --voxel"}};
     for (const Case& c : cases) {
         CAPTURE(c.line);
-        const auto run = vdbPackWithin(10, split(c.line + " --json"));
+        const auto run = vdbPackWithin(10, wordsOf(c.line + " --json"));
         CHECK(run.code == 5);
         CHECK_THAT(run.text, Contains("would take about") && Contains("may be taken") &&
                                  Contains(c.part) && Contains(c.remedy));
@@ -183,7 +162,7 @@ TEST_CASE("a request beyond all memory is refused at once with its parts", "[est
     CHECK_FALSE(std::filesystem::exists(folder.file("b.vdb")));
 }
 
-TEST_CASE("a limit of memory is kept by every command", "[estimate][bad]") {
+TEST_CASE("a limit of memory is kept by every command") {
     const TemporaryFolder folder;
     const std::string pack = folder.file("p.csv");
     REQUIRE(vdbPackWithin(20, {"pack", "ball:9", "--radius", "constant:1", "-o", pack}).code == 0);
@@ -191,14 +170,14 @@ TEST_CASE("a limit of memory is kept by every command", "[estimate][bad]") {
          {"pack ball:9 --radius constant:1", "pack rect:9,9 --radius constant:1",
           "voids ball:9 --voids boolean --void-radius constant:1"}) {
         CAPTURE(line);
-        CHECK(vdbPackWithin(10, split(line + " --json --memory-limit 2M")).code == 5);
+        CHECK(vdbPackWithin(10, wordsOf(line + " --json --memory-limit 2M")).code == 5);
     }
     for (const std::string& line :
          {"verify " + pack, "verify " + pack + " --domain ball:9", "measure " + pack,
           "convert " + pack + " -o " + folder.file("q.vtp"),
           "carve " + pack + " --domain ball:9 --voids boolean"}) {
         CAPTURE(line);
-        const auto run = vdbPackWithin(10, split(line + " --json --memory-limit 2M"));
+        const auto run = vdbPackWithin(10, wordsOf(line + " --json --memory-limit 2M"));
         CHECK(run.code == 5);
         CHECK_THAT(run.text, Contains("2 MiB may be taken") || Contains("2 MiB are allowed"));
     }
@@ -211,31 +190,31 @@ TEST_CASE("a limit of memory is kept by every command", "[estimate][bad]") {
     }
 }
 
-TEST_CASE("a dry run reports memory and files, also of runs that are refused", "[estimate]") {
+TEST_CASE("a dry run reports memory and files, also of runs that are refused") {
     const TemporaryFolder folder;
     const std::string line = "pack box:30,30,30 --radius uniform:0.5,1 --dry-run -o " +
                              folder.file("p.csv") + " -o " + folder.file("p.vtp");
-    const auto text = vdbPackWithin(20, split(line));
+    const auto text = vdbPackWithin(20, wordsOf(line));
     CHECK(text.code == 0);
     CHECK_THAT(text.text, Contains("memory     about") && Contains("p.vtp about"));
-    const auto json = nlohmann::json::parse(vdbPackWithin(20, split(line + " --json")).text);
+    const auto json = nlohmann::json::parse(vdbPackWithin(20, wordsOf(line + " --json")).text);
     const auto& memory = json["memory"];
     CHECK(json["peakMemoryBytes"] >= memory["spheres"]);
     CHECK(memory["program"] > 1e6);
     REQUIRE(json["files"].size() == 2);
     CHECK(json["files"][1]["name"] == folder.file("p.vtp"));
-    const auto much = vdbPackWithin(20, split(line + " --memory-limit 10M"));
+    const auto much = vdbPackWithin(20, wordsOf(line + " --memory-limit 10M"));
     CHECK(much.code == 5);
     CHECK_THAT(much.text, Contains("dry run") && Contains("10 MiB may be taken"));
     const auto voids = nlohmann::json::parse(
-        vdbPackWithin(60, split(line + " --json --voids boolean --void-radius constant:1")).text);
+        vdbPackWithin(60, wordsOf(line + " --json --voids boolean --void-radius constant:1")).text);
     CHECK(voids["memory"]["voids"] > 1e6);
 }
 
-TEST_CASE("files are about as large as estimated", "[estimate]") {
+TEST_CASE("files are about as large as estimated") {
     const TemporaryFolder folder;
-    test::writeObj(test::ballMesh(12, 4), folder.file("b.obj"));
-    PackRecipe recipe = test::recipeFor(folder.file("b.obj"), "uniform:0.4,0.8");
+    writeObj(ballMesh(12, 4), folder.file("b.obj"));
+    PackRecipe recipe = recipeFor(folder.file("b.obj"), "uniform:0.4,0.8");
     for (const char* name :
          {"p.vdb", "p.csv", "p.vtp", "p.vtkhdf", "p.ply", "p.xyz", "p.npz", "p.data"})
         recipe.outputs.push_back(folder.file(name));
@@ -254,7 +233,7 @@ TEST_CASE("files are about as large as estimated", "[estimate]") {
     }
 }
 
-TEST_CASE("files for which a disk has no room are refused with both figures", "[estimate]") {
+TEST_CASE("files for which a disk has no room are refused with both figures") {
     Estimate estimated;
     estimated.files = {{"/tmp/a.csv", 1e6}, {"yade:/tmp/p.txt", 1e19}};
     CHECK_THROWS_AS(requireResources(estimated, 1e12), ResourceError);
@@ -265,10 +244,10 @@ TEST_CASE("files for which a disk has no room are refused with both figures", "[
     CHECK_NOTHROW(requireResources(estimated, 1e12));
 }
 
-TEST_CASE("estimated memory is memory taken", "[estimate][.slow]") {
+TEST_CASE("estimated memory is memory taken", "[.slow]") {
     if (kSanitized) return;
     const TemporaryFolder folder;
-    test::writeObj(test::ballMesh(30, 6), folder.file("b.obj"));
+    writeObj(ballMesh(30, 6), folder.file("b.obj"));
     const std::string ball = folder.file("b.obj");
     for (const std::string& line :
          {std::string("pack box:100,100,100 --radius constant:0.5"),

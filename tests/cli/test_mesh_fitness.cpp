@@ -1,15 +1,8 @@
 // `mesh` decides whether a mesh can be packed, as `pack` does.
 #include "support/generators.h"
 #include "support/mesh_file.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 #include "support/tool.h"
-
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -17,15 +10,12 @@ namespace {
 class Asked {
 public:
     explicit Asked(const TriangleMesh& mesh) : file_(folder_.path() + "/bone.obj") {
-        test::writeObj(mesh, file_);
+        writeObj(mesh, file_);
     }
     nlohmann::json json(const std::string& options = "") const {
-        const auto output = vdbPack("mesh " + file_ + " --json --quiet " + options);
-        CAPTURE(output.text);
-        REQUIRE(output.code == 0);
-        return nlohmann::json::parse(output.text.substr(output.text.find('{')));
+        return jsonOf(vdbPack("mesh " + file_ + " --json --quiet " + options));
     }
-    test::Output mesh(const std::string& options) const {
+    Output mesh(const std::string& options) const {
         return vdbPack("mesh " + file_ + " " + options);
     }
     int packed(const std::string& options = "") const {
@@ -50,10 +40,10 @@ TriangleMesh holed(const TriangleMesh& mesh, std::size_t n) {
 
 }  // namespace
 
-TEST_CASE("a closed mesh is fit to be packed, whichever way it faces", "[cli][repair]") {
+TEST_CASE("a closed mesh is fit to be packed, whichever way it faces") {
     const bool inward = GENERATE(false, true);
-    auto ball = test::hollowBallMesh(10, 4, 3);
-    if (inward) ball = test::flipped(ball);
+    auto ball = hollowBallMesh(10, 4, 3);
+    if (inward) ball = flipped(ball);
     const Asked asked(ball);
     const auto json = asked.json("--check");
     CHECK(json["fit"] == "yes");
@@ -64,9 +54,8 @@ TEST_CASE("a closed mesh is fit to be packed, whichever way it faces", "[cli][re
     CHECK_THAT(asked.mesh("").text, Contains("fit to be packed      yes"));
 }
 
-TEST_CASE("a mesh with holes is fit with a repair, and what that does is reported",
-          "[cli][repair]") {
-    const Asked asked(holed(test::ballMesh(10, 3), 100));
+TEST_CASE("a mesh with holes is fit with a repair, and what that does is reported") {
+    const Asked asked(holed(ballMesh(10, 3), 100));
     const auto json = asked.json();
     CHECK(json["fit"] == "with repair");
     CHECK_THAT(json["reasons"].dump(), Contains("39 boundary edges"));
@@ -83,8 +72,8 @@ TEST_CASE("a mesh with holes is fit with a repair, and what that does is reporte
     CHECK(asked.packed("--repair") == 0);
 }
 
-TEST_CASE("closed components that overlap are fit with a repair only", "[cli][repair]") {
-    const Asked asked(test::merged(test::ballMesh(10, 3), test::ballMesh(8, 3, {{9, 0, 0}})));
+TEST_CASE("closed components that overlap are fit with a repair only") {
+    const Asked asked(merged(ballMesh(10, 3), ballMesh(8, 3, {{9, 0, 0}})));
     REQUIRE(asked.packed() == 3);
     const auto json = asked.json();
     CHECK(json["watertight"] == true);
@@ -94,7 +83,7 @@ TEST_CASE("closed components that overlap are fit with a repair only", "[cli][re
     CHECK(asked.json("--repair-components separate")["withRepair"]["components"] == "separate");
 }
 
-TEST_CASE("what encloses nothing is not fit, not even with a repair", "[cli][repair]") {
+TEST_CASE("what encloses nothing is not fit, not even with a repair") {
     TriangleMesh sheet;
     sheet.vertices = {{{0, 0, 0}}, {{30, 0, 0}}, {{0, 40, 0}}, {{30, 40, 0}}};
     sheet.triangles = {{0, 1, 2}, {1, 3, 2}};
@@ -110,7 +99,7 @@ TEST_CASE("what encloses nothing is not fit, not even with a repair", "[cli][rep
     CHECK(asked.packed("--repair") == 3);
 }
 
-TEST_CASE("mesh names the unit if the size is unlikely for a bone", "[cli][repair]") {
-    const Asked asked(test::ballMesh(0.1, 2));
+TEST_CASE("mesh names the unit if the size is unlikely for a bone") {
+    const Asked asked(ballMesh(0.1, 2));
     CHECK_THAT(asked.mesh("").text, Contains("--unit") && Contains("fit to be packed      yes"));
 }

@@ -1,26 +1,16 @@
 // --repair and --cavities through the program: packed, written, verified against the same surface.
 #include "support/generators.h"
 #include "support/mesh_file.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 #include "support/tool.h"
 
 #include "vdbpack/core/rng.h"
-
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
-#include <cmath>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-using test::vdbPack;
 
 namespace {
 
 /// Two balls that cut through each other, without a twentieth of their triangles.
 TriangleMesh dirtyMesh() {
-    const auto whole = test::merged(test::ballMesh(10, 3), test::ballMesh(6, 3, {{9, 0, 0}}));
+    const auto whole = merged(ballMesh(10, 3), ballMesh(6, 3, {{9, 0, 0}}));
     TriangleMesh mesh;
     mesh.vertices = whole.vertices;
     RandomStream random(11, 2);
@@ -29,19 +19,13 @@ TriangleMesh dirtyMesh() {
     return mesh;
 }
 
-nlohmann::json jsonOf(const test::Output& output) {
-    CAPTURE(output.text);
-    REQUIRE(output.code == 0);
-    return nlohmann::json::parse(output.text.substr(output.text.find('{')));
-}
-
 }  // namespace
 
-TEST_CASE("a dirty mesh is refused, and packed and verified with --repair", "[cli][repair]") {
+TEST_CASE("a dirty mesh is refused, and packed and verified with --repair") {
     const TemporaryFolder folder;
     const std::string mesh = folder.path() + "/dirty.obj", pack = folder.path() + "/p.vdb",
                       surface = folder.path() + "/repaired.stl";
-    test::writeObj(dirtyMesh(), mesh);
+    writeObj(dirtyMesh(), mesh);
     const auto refused = vdbPack("pack " + mesh + " --radius constant:0.6 -o " + pack);
     CHECK(refused.code == 3);
     CHECK_THAT(refused.text,
@@ -69,10 +53,10 @@ TEST_CASE("a dirty mesh is refused, and packed and verified with --repair", "[cl
     }
 }
 
-TEST_CASE("the mesh command repairs, tells of it and writes the surface", "[cli][repair]") {
+TEST_CASE("the mesh command repairs, tells of it and writes the surface") {
     const TemporaryFolder folder;
     const std::string mesh = folder.path() + "/dirty.obj", surface = folder.path() + "/sound.stl";
-    test::writeObj(dirtyMesh(), mesh);
+    writeObj(dirtyMesh(), mesh);
     const auto told = vdbPack("mesh " + mesh + " --repair -o " + surface);
     CHECK(told.code == 0);
     CHECK_THAT(told.text, Contains("ambiguous volume") && Contains("watertight"));
@@ -86,21 +70,20 @@ TEST_CASE("the mesh command repairs, tells of it and writes the surface", "[cli]
     CHECK_THAT(wrong.text, Contains(".stl"));
 }
 
-TEST_CASE("shells say what lies between two surfaces", "[cli][repair]") {
+TEST_CASE("shells say what lies between two surfaces") {
     const TemporaryFolder folder;
     const auto file = [&](const char* name) { return folder.path() + "/" + name; };
-    const auto outer = test::ballMesh(10, 3), inner = test::ballMesh(5, 3);
-    test::writeObj(outer, file("outer.obj"));
-    test::writeObj(inner, file("inner.obj"));
-    test::writeObj(test::ballMesh(5, 3, {{8, 0, 0}}), file("aside.obj"));
-    test::writeObj(test::merged(outer, inner), file("both.obj"));
+    const auto outer = ballMesh(10, 3), inner = ballMesh(5, 3);
+    writeObj(outer, file("outer.obj"));
+    writeObj(inner, file("inner.obj"));
+    writeObj(ballMesh(5, 3, {{8, 0, 0}}), file("aside.obj"));
+    writeObj(merged(outer, inner), file("both.obj"));
     const auto volume = [&](const std::string& words) {
         return jsonOf(vdbPack("pack " + words + " --radius constant:1 --json -o " +
                               file("p.csv")))["domain"]["volume"]
             .get<double>();
     };
-    const double outside = volume(file("outer.obj"));
-    const double hollow = volume(file("both.obj"));
+    const double outside = volume(file("outer.obj")), hollow = volume(file("both.obj"));
     CHECK(hollow < outside - 500);
     CHECK(volume(file("both.obj") + " --cavities keep") == Approx(hollow));
     CHECK(volume(file("both.obj") + " --shells cavity") == Approx(hollow));
@@ -135,16 +118,16 @@ TEST_CASE("shells say what lies between two surfaces", "[cli][repair]") {
     CHECK(vdbPack("pack -o " + file("p.csv")).code == 2);
 }
 
-TEST_CASE("bones that nearly touch are packed apart with --repair-components", "[cli][repair]") {
+TEST_CASE("bones that nearly touch are packed apart with --repair-components") {
     const TemporaryFolder folder;
     const std::string mesh = folder.path() + "/spine.obj", pack = folder.path() + "/p.csv";
     // Two bodies 0.1 mm apart, each with a process that intersects it.
     TriangleMesh spine;
     for (const double x : {0.0, 10.1}) {
-        spine = test::merged(spine, test::boxMesh({{x, 0, 0}}, {{x + 10, 10, 10}}));
-        spine = test::merged(spine, test::boxMesh({{x + 4, 4, 4}}, {{x + 6, 6, 12}}));
+        spine = merged(spine, boxMesh({{x, 0, 0}}, {{x + 10, 10, 10}}));
+        spine = merged(spine, boxMesh({{x + 4, 4, 4}}, {{x + 6, 6, 12}}));
     }
-    test::writeObj(spine, mesh);
+    writeObj(spine, mesh);
     const std::string words = mesh + " --repair --repair-voxel 0.5 ";
     const auto changesOf = [&](const std::string& more) {
         const auto report =

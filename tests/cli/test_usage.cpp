@@ -1,27 +1,14 @@
 // The command line: help, misuse, recipes, completion, progress.
 #include "cli/progress_line.h"
-#include "support/paths.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 #include "support/tool.h"
 
 #include "vdbpack/io/text.h"
 
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <sstream>
 
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-using vdbpack::wrapped;
-using vdbpack::test::Output;
-using vdbpack::test::vdbPack;
-
-TEST_CASE("help fits the page and names every option once", "[cli]") {
+TEST_CASE("help fits the page and names every option once") {
     for (const char* command : {"", "pack", "voids", "carve", "verify", "measure", "mesh"}) {
         CAPTURE(command);
         const auto help = vdbPack(std::string(command) + " --help");
@@ -40,7 +27,7 @@ TEST_CASE("help fits the page and names every option once", "[cli]") {
     CHECK(text.find("\n  --radius", first + 1) == std::string::npos);
 }
 
-TEST_CASE("lines break between words, and a long word stands alone", "[cli]") {
+TEST_CASE("lines break between words, and a long word stands alone") {
     CHECK(wrapped("one two three", 80, 4, 0) == "one two three");
     CHECK(wrapped("one two three", 8, 2, 0) == "one two\n  three");
     CHECK(wrapped("one two", 8, 2, 5) == "one\n  two");
@@ -49,7 +36,7 @@ TEST_CASE("lines break between words, and a long word stands alone", "[cli]") {
     CHECK(wrapped("", 80, 2, 0) == "");
 }
 
-TEST_CASE("misuse is reported with what was meant", "[cli]") {
+TEST_CASE("misuse is reported with what was meant") {
     struct Misuse {
         const char* arguments;
         std::vector<const char*> names;  ///< what the message must name
@@ -77,7 +64,7 @@ TEST_CASE("misuse is reported with what was meant", "[cli]") {
     }
 }
 
-TEST_CASE("a recipe that cannot be read is reported by line and name", "[cli]") {
+TEST_CASE("a recipe that cannot be read is reported by line and name") {
     const TemporaryFolder folder;
     const std::string file = folder.file("r.toml");
     const auto refusal = [&](const std::string& text) {
@@ -115,7 +102,7 @@ TEST_CASE("a recipe that cannot be read is reported by line and name", "[cli]") 
     CHECK(vdbPack("pack ball:3 --quiet --json --config " + file).code == 0);
 }
 
-TEST_CASE("progress states rate and remaining time once they can be estimated", "[cli]") {
+TEST_CASE("progress states rate and remaining time once they can be estimated") {
     CHECK_THAT(progressLine({"pack", 0.001, 900}, 0.1), Contains("900 spheres") && !Contains("/s"));
     const std::string half = progressLine({"pack", 0.5, 1234567}, 2);
     CHECK_THAT(half, Contains("50 %") && Contains("1,234,567 spheres") && Contains("617,284/s") &&
@@ -124,13 +111,12 @@ TEST_CASE("progress states rate and remaining time once they can be estimated", 
     CHECK_THAT(progressLine({"pack", 1, 10}, 2), !Contains("left"));
 }
 
-TEST_CASE("the shell completes commands, options and their words", "[cli]") {
+TEST_CASE("the shell completes commands, options and their words") {
     const auto completed = [](const std::string& words, const std::string& word) {
-        return vdbpack::test::shell("bash -c 'source <(" + kTool +
-                                    " completion bash); COMP_WORDS=(vdb_pack " + words + " \"" +
-                                    word +
-                                    "\"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _vdb_pack; echo "
-                                    "\"${COMPREPLY[*]}\"'");
+        return shell("bash -c 'source <(" + kTool + " completion bash); COMP_WORDS=(vdb_pack " +
+                     words + " \"" + word +
+                     "\"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _vdb_pack; echo "
+                     "\"${COMPREPLY[*]}\"'");
     };
     CHECK(completed("", "me").text == "measure mesh\n");
     CHECK(completed("pack ball:3", "--eff").text == "--effort\n");
@@ -144,95 +130,96 @@ TEST_CASE("the shell completes commands, options and their words", "[cli]") {
     CHECK_THAT(vdbPack("completion tcsh").text, Contains("bash, zsh, fish"));
 }
 
-TEST_CASE("the version names what it is made with", "[cli]") {
+TEST_CASE("the version names what it is made with") {
     const auto out = vdbPack("--version");
     CHECK(out.code == 0);
     CHECK_THAT(out.text, Contains("vdb_pack 0.") && Contains("OpenVDB 10.") && Contains("TBB 20"));
 }
 
-TEST_CASE("a run leaves the recipe that repeats it", "[cli]") {
+namespace {
+
+std::string hashOf(const Output& run) {
+    return jsonOf(run)["hash"].get<std::string>();
+}
+
+}  // namespace
+
+TEST_CASE("a run leaves the recipe that repeats it, of voids and carved packs too") {
     const TemporaryFolder folder;
     const std::string out = folder.file("a pack.csv"), recipe = folder.file("a pack.recipe.toml");
-    const auto hashOf = [](const Output& run) {
-        CAPTURE(run.text);
-        REQUIRE(run.code == 0);
-        return nlohmann::json::parse(run.text)["hash"].get<std::string>();
-    };
-    const auto textOf = [](const std::string& file) {
-        std::ifstream in(file);
-        return std::string(std::istreambuf_iterator<char>(in), {});
-    };
     const std::string hash = hashOf(vdbPack(
         "pack ball:8 --radius uniform:0.5,1 --clip plane:1,0,0,5 --clip plane:0,1,0,6 --shell 0.5 "
         "--voids boolean --target-bvtv .6 --void-radius constant:1 "
         "--void-angles \"tz=uniform:0,3;tx=0.2\" --seed 4 --json -o \"" +
         out + "\" -o " + folder.file("p.vdb")));
-    const std::string first = textOf(recipe);
+    const std::string first = contentOf(recipe);
     CHECK_THAT(first, Contains(hash) && Contains("--config \"" + recipe + "\"") &&
                           Contains("shell = 0.5") && Contains("effort = 'normal'"));
     for (const char* more : {"", " --threads 1"}) {
         std::remove(out.c_str());
         CHECK(hashOf(vdbPack("pack --json --config \"" + recipe + "\"" + more)) == hash);
-        CHECK(textOf(out).size() > 1000);
-        CHECK(textOf(recipe) == first);
+        CHECK(contentOf(out).size() > 1000);
+        CHECK(contentOf(recipe) == first);
     }
-    SECTION("of voids and carved packs too") {
-        const std::string list = folder.file("v.csv"), carved = folder.file("c.csv");
-        vdbPack("voids ball:8 --voids boolean --void-count 40 --void-radius constant:1 -o list:" +
-                list);
-        const std::string before = textOf(list);
-        CHECK(vdbPack("voids --quiet --config " + folder.file("v.recipe.toml")).code == 0);
-        CHECK(textOf(list) == before);
-        const std::string cut = hashOf(vdbPack(
-            "carve \"" + out + "\" --domain ball:8 --voids list:" + list + " --json -o " + carved));
-        CHECK(hashOf(vdbPack("carve --json --config " + folder.file("c.recipe.toml"))) == cut);
-    }
-    SECTION("whatever the names of its files") {
-        for (const std::string name :
-             {"it's \"one\" \\ $HOME %s", "-\xc3\xbc \xe9\xaa\xa8 # a=b [c]", "new\nline\ttab"}) {
-            CAPTURE(name);
-            const std::string pack = folder.file(name + ".csv");
-            std::string quoted;
-            for (const char c : pack) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-            const std::string run = "pack ball:4 --radius constant:0.8 --json ";
-            const std::string given = hashOf(vdbPack(run + "-o '" + quoted + "'"));
-            const std::string content = textOf(pack);
-            REQUIRE(content.size() > 500);
-            const std::string left = textOf(folder.file(name + ".recipe.toml"));
-            // As its second line says, by a shell that knows $'...'.
-            const auto from = left.find("--config ");
-            REQUIRE(from != std::string::npos);
-            const std::string word = left.substr(from, left.find('\n', from) - from);
-            std::remove(pack.c_str());
-            std::ofstream(folder.file("again")) << kTool + " pack --json " << word << '\n';
-            CHECK(hashOf(vdbpack::test::shell("bash " + folder.file("again"))) == given);
-            CHECK(textOf(pack) == content);
-        }
-        const auto bytes = vdbPack("pack ball:4 --radius constant:0.8 --quiet -o '" +
-                                   folder.file("\xff.csv") + "'");
-        CHECK(bytes.code == 0);
-        CHECK_THAT(bytes.text, Contains("recipe") && Contains("UTF-8"));
-        CHECK(textOf(folder.file("\xff.recipe.toml")).empty());
-    }
-    SECTION("one a seed of a study") {
-        REQUIRE(vdbPack("pack ball:5 --radius constant:1 --seed 1..2 --quiet -o " +
-                        folder.file("s{seed}.csv"))
-                    .code == 0);
-        const std::string second = textOf(folder.file("s2.csv"));
-        std::remove(folder.file("s2.csv").c_str());
-        REQUIRE(vdbPack("pack --quiet --config " + folder.file("s2.recipe.toml")).code == 0);
-        CHECK(textOf(folder.file("s2.csv")) == second);
-    }
-    SECTION("but leaves alone what somebody else wrote") {
-        std::ofstream(recipe) << "# mine\n";
-        const auto run = vdbPack("pack ball:5 --radius constant:1 --quiet -o \"" + out + "\"");
-        CHECK(run.code == 0);
-        CHECK_THAT(run.text, Contains(recipe));
-        CHECK(textOf(recipe) == "# mine\n");
-    }
+    const std::string list = folder.file("v.csv"), carved = folder.file("c.csv");
+    vdbPack("voids ball:8 --voids boolean --void-count 40 --void-radius constant:1 -o list:" +
+            list);
+    const std::string before = contentOf(list);
+    CHECK(vdbPack("voids --quiet --config " + folder.file("v.recipe.toml")).code == 0);
+    CHECK(contentOf(list) == before);
+    const std::string cut = hashOf(vdbPack(
+        "carve \"" + out + "\" --domain ball:8 --voids list:" + list + " --json -o " + carved));
+    CHECK(hashOf(vdbPack("carve --json --config " + folder.file("c.recipe.toml"))) == cut);
 }
 
-TEST_CASE("options without effect are reported", "[cli]") {
+TEST_CASE("a recipe repeats a run whatever the names of its files") {
+    const TemporaryFolder folder;
+    for (const std::string name :
+         {"it's \"one\" \\ $HOME %s", "-\xc3\xbc \xe9\xaa\xa8 # a=b [c]", "new\nline\ttab"}) {
+        CAPTURE(name);
+        const std::string pack = folder.file(name + ".csv");
+        std::string quoted;
+        for (const char c : pack) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+        const std::string run = "pack ball:4 --radius constant:0.8 --json ";
+        const std::string given = hashOf(vdbPack(run + "-o '" + quoted + "'"));
+        const std::string content = contentOf(pack);
+        REQUIRE(content.size() > 500);
+        const std::string left = contentOf(folder.file(name + ".recipe.toml"));
+        // As its second line says, by a shell that knows $'...'.
+        const auto from = left.find("--config ");
+        REQUIRE(from != std::string::npos);
+        const std::string word = left.substr(from, left.find('\n', from) - from);
+        std::remove(pack.c_str());
+        std::ofstream(folder.file("again")) << kTool + " pack --json " << word << '\n';
+        CHECK(hashOf(shell("bash " + folder.file("again"))) == given);
+        CHECK(contentOf(pack) == content);
+    }
+    const auto bytes =
+        vdbPack("pack ball:4 --radius constant:0.8 --quiet -o '" + folder.file("\xff.csv") + "'");
+    CHECK(bytes.code == 0);
+    CHECK_THAT(bytes.text, Contains("recipe") && Contains("UTF-8"));
+    CHECK(contentOf(folder.file("\xff.recipe.toml")).empty());
+}
+
+TEST_CASE("a study leaves one recipe a seed, and nothing in place of what others wrote") {
+    const TemporaryFolder folder;
+    REQUIRE(vdbPack("pack ball:5 --radius constant:1 --seed 1..2 --quiet -o " +
+                    folder.file("s{seed}.csv"))
+                .code == 0);
+    const std::string second = contentOf(folder.file("s2.csv"));
+    std::remove(folder.file("s2.csv").c_str());
+    REQUIRE(vdbPack("pack --quiet --config " + folder.file("s2.recipe.toml")).code == 0);
+    CHECK(contentOf(folder.file("s2.csv")) == second);
+    const std::string recipe = folder.file("a pack.recipe.toml");
+    std::ofstream(recipe) << "# mine\n";
+    const auto run =
+        vdbPack("pack ball:5 --radius constant:1 --quiet -o '" + folder.file("a pack.csv") + "'");
+    CHECK(run.code == 0);
+    CHECK_THAT(run.text, Contains(recipe));
+    CHECK(contentOf(recipe) == "# mine\n");
+}
+
+TEST_CASE("options without effect are reported") {
     CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json --unit m").text,
                Contains("--unit has no effect"));
     CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json --grid solid").text,
@@ -247,7 +234,7 @@ TEST_CASE("options without effect are reported", "[cli]") {
     CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json").text, !Contains("no effect"));
 }
 
-TEST_CASE("a failed check names the spheres in JSON", "[cli]") {
+TEST_CASE("a failed check names the spheres in JSON") {
     const TemporaryFolder folder;
     std::ofstream(folder.file("p.csv")) << "x,y,z,radius\n0,0,0,1\n1.5,0,0,1\n4.5,0,0,1\n";
     const auto out = vdbPack("verify " + folder.file("p.csv") + " --domain ball:5 --json");
@@ -260,8 +247,8 @@ TEST_CASE("a failed check names the spheres in JSON", "[cli]") {
     CHECK(report["protrusion"]["worst"][0]["protrusion"].get<double>() == Approx(0.5));
 }
 
-TEST_CASE("a run that would leave nothing is refused at once, with the command that leaves a file",
-          "[cli]") {
+TEST_CASE(
+    "a run that would leave nothing is refused at once, with the command that leaves a file") {
     const TemporaryFolder folder;
     struct Run {
         std::string words;
@@ -292,16 +279,10 @@ TEST_CASE("a run that would leave nothing is refused at once, with the command t
     }
 }
 
-TEST_CASE("a recipe runs from any folder", "[cli]") {
+TEST_CASE("a recipe runs from any folder") {
     const TemporaryFolder folder;
     const auto in = [&folder](const std::string& where, const std::string& command) {
-        return vdbpack::test::shell("cd " + folder.file(where) + " && " + kTool + " " + command);
-    };
-    const auto hashOf = [](const Output& run) {
-        CAPTURE(run.text);
-        REQUIRE(run.code == 0);
-        return nlohmann::json::parse(run.text.substr(run.text.find('{')))["hash"]
-            .get<std::string>();
+        return shell("cd " + folder.file(where) + " && " + kTool + " " + command);
     };
     for (const char* name : {"given", "out", "elsewhere"})
         std::filesystem::create_directory(folder.file(name));

@@ -1,30 +1,17 @@
 // Outputs of the program where disks are full, folders are read-only and processes are killed: each
 // is whole, or as it was before.
-#include "support/paths.h"
 #include "support/process.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 #include "support/tool.h"
 
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/verify/verify.h"
 
-#include <catch2/catch.hpp>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <map>
 #include <random>
-#include <string>
-#include <vector>
 
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-using test::shell;
-using test::vdbPack;
 namespace fs = std::filesystem;
 
 namespace {
@@ -58,14 +45,6 @@ const std::vector<Written> kOutputs{
 
 std::string inFolder(std::string output, const std::string& folder) {
     return output.replace(output.find("FOLDER"), 6, folder);
-}
-
-std::vector<std::string> namesIn(const std::string& folder) {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder))
-        names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
 }
 
 /// Whether a file is as `convert` writes it: byte for byte, or (a .vdb has a number of its own) as
@@ -118,8 +97,7 @@ const std::string kApart = "unshare -rm sh -c";
 
 }  // namespace
 
-TEST_CASE("every output survives a limit on the size of files, and its former file does",
-          "[output]") {
+TEST_CASE("every output survives a limit on the size of files, and its former file does") {
     const Given given;
     for (const Written& w : kOutputs) {
         given.clear();
@@ -131,7 +109,7 @@ TEST_CASE("every output survives a limit on the size of files, and its former fi
         for (const std::uintmax_t limit : {std::uintmax_t{0}, largest / 1024, largest / 512 + 1}) {
             CAPTURE(w.output, largest, limit);
             for (const auto& name : w.files) putContent(given.out() + "/" + name, "former");
-            const auto run = shell("ulimit -f " + std::to_string(limit) + "; " + test::kTool + " " +
+            const auto run = shell("ulimit -f " + std::to_string(limit) + "; " + kTool + " " +
                                    given.arguments(w, given.out()));
             CAPTURE(run.text);
             auto names = w.files;
@@ -153,7 +131,7 @@ TEST_CASE("every output survives a limit on the size of files, and its former fi
     }
 }
 
-TEST_CASE("every output survives a full disk", "[.slow][output]") {
+TEST_CASE("every output survives a full disk", "[.slow]") {
     if (!isAllowed(kApart)) return;
     const Given given;
     for (const Written& w : kOutputs) {
@@ -174,7 +152,7 @@ TEST_CASE("every output survives a full disk", "[.slow][output]") {
                     for (const auto& name : w.files) names += name + " ";
                     return names;
                 }() +
-                "; do printf former > $f; done; " + test::kTool + " " +
+                "; do printf former > $f; done; " + kTool + " " +
                 given.arguments(w, given.out() + "/disk") + "; code=$?; mkdir " + given.out() +
                 "/left; cp -r . " + given.out() + "/left/; exit $code";
             fs::remove_all(given.out() + "/left");
@@ -194,12 +172,12 @@ TEST_CASE("every output survives a full disk", "[.slow][output]") {
     }
 }
 
-TEST_CASE("a read-only folder is reported before the work, and nothing changes", "[output]") {
+TEST_CASE("a read-only folder is reported before the work, and nothing changes") {
     if (!isAllowed(kApart)) return;
     const Given given;
     putContent(given.out() + "/p.csv", "former");
     const auto run = shell(kApart + " 'mount --bind " + given.out() + " " + given.out() +
-                           " && mount -o remount,bind,ro " + given.out() + " && " + test::kTool +
+                           " && mount -o remount,bind,ro " + given.out() + " && " + kTool +
                            " convert " + given.pack + " -o " + given.out() + "/p.csv'");
     CAPTURE(run.text);
     CHECK(run.code == 4);
@@ -207,7 +185,7 @@ TEST_CASE("a read-only folder is reported before the work, and nothing changes",
     CHECK(namesIn(given.out()).size() == 1);
 }
 
-TEST_CASE("what cannot be written is reported before the work", "[output]") {
+TEST_CASE("what cannot be written is reported before the work") {
     const Given given;
     fs::create_directory(given.out() + "/folder.vtp");
     REQUIRE(::mkfifo((given.out() + "/pipe.csv").c_str(), 0600) == 0);
@@ -228,20 +206,19 @@ TEST_CASE("what cannot be written is reported before the work", "[output]") {
     }
 }
 
-TEST_CASE("a file that standard output goes to is no output", "[output]") {
+TEST_CASE("a file that standard output goes to is no output") {
     const Given given;
     const std::string file = given.out() + "/log.txt";
     putContent(file, "former\n");
-    const auto run = shell("bash -c '" + test::kTool + " convert " + given.pack +
+    const auto run = shell("bash -c '" + kTool + " convert " + given.pack +
                            " -o yade:/dev/stdout --json >> " + file + " 2> /dev/null'");
     CHECK(run.code == 4);
     CHECK(contentOf(file) == "former\n");
 }
 
-TEST_CASE("of several outputs the first that fails ends the run, and those before it stay",
-          "[output]") {
+TEST_CASE("of several outputs the first that fails ends the run, and those before it stay") {
     const Given given;
-    const std::string convert = test::kTool + " convert " + given.pack + " -o " + given.out() +
+    const std::string convert = kTool + " convert " + given.pack + " -o " + given.out() +
                                 "/a.npz -o " + given.out() + "/b.csv -o " + given.out() + "/c.npz";
     REQUIRE(shell(convert).code == 0);
     const std::string whole = contentOf(given.out() + "/a.npz");
@@ -254,7 +231,7 @@ TEST_CASE("of several outputs the first that fails ends the run, and those befor
     CHECK(namesIn(given.out()) == std::vector<std::string>{"a.npz"});
 }
 
-TEST_CASE("files that options and radii are read from are inputs as well", "[output]") {
+TEST_CASE("files that options and radii are read from are inputs as well") {
     const Given given;
     const std::string table = given.out() + "/t.csv", recipe = given.out() + "/r.json";
     putContent(table, "1 0.5\n2 0.5\n");
@@ -280,7 +257,7 @@ TEST_CASE("files that options and radii are read from are inputs as well", "[out
           0);
 }
 
-TEST_CASE("what a file cannot take along is reported", "[output]") {
+TEST_CASE("what a file cannot take along is reported") {
     const Given given;
     putContent(given.out() + "/i.csv", "id,x,y,z,radius\n5000000000,0,0,0,1\n7,3,0,0,1\n");
     const auto run = vdbPack("convert " + given.out() + "/i.csv -o " + given.out() + "/i.ply");
@@ -294,7 +271,7 @@ TEST_CASE("what a file cannot take along is reported", "[output]") {
     CHECK(fs::exists(given.out() + "/" + name));
 }
 
-TEST_CASE("names that are no UTF-8 are reported in JSON all the same", "[output]") {
+TEST_CASE("names that are no UTF-8 are reported in JSON all the same") {
     const Given given;
     const std::string name = given.out() + "/n\xff.csv";
     putContent(name, contentOf(given.pack));
@@ -304,7 +281,7 @@ TEST_CASE("names that are no UTF-8 are reported in JSON all the same", "[output]
     CHECK_THAT(run.text, Contains("n\xef\xbf\xbd.csv"));
 }
 
-TEST_CASE("an output that is an input or another output by any name is refused", "[output]") {
+TEST_CASE("an output that is an input or another output by any name is refused") {
     const Given given;
     const std::string before = contentOf(given.pack);
     fs::create_symlink(given.pack, given.out() + "/soft.csv");
@@ -331,17 +308,16 @@ TEST_CASE("an output that is an input or another output by any name is refused",
     CHECK(namesIn(given.out()).size() == 3);
 }
 
-TEST_CASE("a broken pipe or a full one on standard output is reported, and files are complete",
-          "[output]") {
+TEST_CASE("a broken pipe or a full one on standard output is reported, and files are complete") {
     const Given given;
     const std::string file = given.out() + "/p.csv";
-    const std::string convert = test::kTool + " convert " + given.pack + " -o " + file;
+    const std::string convert = kTool + " convert " + given.pack + " -o " + file;
     CHECK(shell(convert + " > /dev/full").code == 4);
     CHECK(contentOf(file) == contentOf(given.pack));
     fs::remove(file);
     CHECK(shell("(sleep 0.2; " + convert + "; echo $? > " + given.out() + "/code) | true; sleep 1")
               .code == 0);
-    for (int i = 0; i < 50 && !fs::exists(given.out() + "/code"); ++i) test::sleepFor(0.1);
+    for (int i = 0; i < 50 && !fs::exists(given.out() + "/code"); ++i) sleepFor(0.1);
     CHECK(contentOf(given.out() + "/code") == "4\n");
     CHECK(contentOf(file) == contentOf(given.pack));
     // Nobody who hears warnings is no reason to stop.
@@ -349,7 +325,7 @@ TEST_CASE("a broken pipe or a full one on standard output is reported, and files
 }
 
 TEST_CASE("a process killed at any moment of writing leaves files whole or as they were",
-          "[.slow][output]") {
+          "[.slow]") {
     const Given given("box:150,150,150");
     std::mt19937 random(50);
     for (const Written& w : {kOutputs[0], kOutputs[1], kOutputs[3], kOutputs[5], kOutputs[14]}) {
@@ -364,7 +340,7 @@ TEST_CASE("a process killed at any moment of writing leaves files whole or as th
         REQUIRE(vdbPack(arguments).code == 0);
         double longest = 0;
         {
-            test::Process run(words);
+            Process run(words);
             REQUIRE(run.wait() == 0);
             longest = run.seconds();
         }
@@ -374,8 +350,8 @@ TEST_CASE("a process killed at any moment of writing leaves files whole or as th
             const bool former = moment % 2 == 0;
             if (former)
                 for (const auto& name : w.files) putContent(given.out() + "/" + name, "former");
-            test::Process run(words);
-            test::sleepFor(std::uniform_real_distribution<double>(0.3, 1)(random) * longest);
+            Process run(words);
+            sleepFor(std::uniform_real_distribution<double>(0.3, 1)(random) * longest);
             run.signal(SIGKILL);
             killed += run.wait() != 0;
             for (const auto& name : w.files) {
@@ -395,13 +371,13 @@ TEST_CASE("a process killed at any moment of writing leaves files whole or as th
     }
 }
 
-TEST_CASE("a run with too little memory leaves nothing half written", "[.slow][output]") {
+TEST_CASE("a run with too little memory leaves nothing half written", "[.slow]") {
     const Given given;
     const std::vector<std::string> commands{
         "pack box:60,60,60 --radius uniform:0.5,1 -o " + given.out() + "/p.vdb",
-        "pack " + test::kMeshes + "/irregular.ply --target-count 5000 -o " + given.out() + "/p.vtp",
+        "pack " + kMeshes + "/irregular.ply --target-count 5000 -o " + given.out() + "/p.vtp",
         "voids box:20,20,20 --voids boolean --void-radius constant:1 -o " + given.out() + "/p.vdb",
-        "verify " + given.pack + " --domain " + test::kMeshes + "/irregular.ply",
+        "verify " + given.pack + " --domain " + kMeshes + "/irregular.ply",
         "measure " + given.pack + " --domain " + kBall,
         "convert " + given.pack + " --domain " + kBall + " -o " + given.out() + "/p.stl"};
     for (const std::string& command : commands) {
@@ -410,11 +386,10 @@ TEST_CASE("a run with too little memory leaves nothing half written", "[.slow][o
         for (int limit = 120000; limit < 800000; limit = limit * 21 / 20) {
             given.clear();
             CAPTURE(command, limit);
-            const auto run =
-                shell("ulimit -v " + std::to_string(limit) + "; timeout 60 " + test::kTool +
-                      " --help > /dev/null 2>&1 || "
-                      "exit 99; timeout 60 " +
-                      test::kTool + " " + command + " --threads 2");
+            const auto run = shell("ulimit -v " + std::to_string(limit) + "; timeout 60 " + kTool +
+                                   " --help > /dev/null 2>&1 || "
+                                   "exit 99; timeout 60 " +
+                                   kTool + " " + command + " --threads 2");
             if (run.code == 99) continue;  // not even the libraries could be loaded
             CAPTURE(run.text);
             refused += run.code == 5;

@@ -1,11 +1,8 @@
+#include "support/test.h"
+
 #include "vdbpack/core/count.h"
 
-#include <catch2/catch.hpp>
-
-using namespace vdbpack;
-using Catch::Matchers::Contains;
-
-TEST_CASE("counts beyond 32 bits are refused with their number, and never wrapped", "[count]") {
+TEST_CASE("counts beyond 32 bits are refused with their number, and never wrapped") {
     CHECK(indexable(0, "spheres", "") == 0);
     CHECK(indexable(0xfffffffeull, "spheres", "") == 0xfffffffeu);
     for (const std::uint64_t count : {0xffffffffull, 0x100000000ull, 0xffffffffffffffffull}) {

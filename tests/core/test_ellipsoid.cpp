@@ -1,14 +1,9 @@
+#include "support/test.h"
+
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/rng.h"
 
-#include <catch2/catch.hpp>
-
-#include <limits>
-
-using namespace vdbpack;
-
-TEMPLATE_TEST_CASE_SIG("distances to an ellipsoid are those to its nearest point", "[core]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("distances to an ellipsoid are those to its nearest point") {
     RandomStream random(5, Dim);
     for (int round = 0; round < 60; ++round) {
         Ellipsoid<Dim> e;
@@ -59,7 +54,7 @@ TEMPLATE_TEST_CASE_SIG("distances to an ellipsoid are those to its nearest point
     }
 }
 
-TEST_CASE("the axis of a void is turned as its angles say", "[core]") {
+TEST_CASE("the axis of a void is turned as its angles say") {
     CHECK(axisOf(0, 0)[2] == Approx(1));
     CHECK(length(axisOf(0, kPi / 2) - Vec<3>{{0, -1, 0}}) < 1e-12);
     CHECK(length(axisOf(kPi / 2, kPi / 2) - Vec<3>{{1, 0, 0}}) < 1e-12);

@@ -1,15 +1,10 @@
-#include "vdbpack/core/error.h"
-
-#include <catch2/catch.hpp>
+#include "support/test.h"
 
 #include <cerrno>
 #include <new>
-#include <stdexcept>
 #include <system_error>
 
-using namespace vdbpack;
-
-TEST_CASE("exceptions that mean too little memory or too few threads are recognized", "[error]") {
+TEST_CASE("exceptions that mean too little memory or too few threads are recognized") {
     CHECK(isShortage(std::bad_alloc()));
     CHECK(isShortage(ResourceError("")));
     CHECK(isShortage(std::system_error(EAGAIN, std::generic_category())));

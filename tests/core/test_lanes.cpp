@@ -1,16 +1,9 @@
+#include "support/test.h"
+
 #include "vdbpack/core/lanes.h"
 #include "vdbpack/core/rng.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <vector>
-
-using namespace vdbpack;
-
-TEST_CASE("eight numbers at a time give what one at a time gives", "[core]") {
+TEST_CASE("eight numbers at a time give what one at a time gives") {
     const auto seed = GENERATE(range(1u, 21u));
     CAPTURE(seed);
     RandomStream random(seed, 0);

@@ -1,16 +1,10 @@
-#include "vdbpack/core/error.h"
+#include "support/test.h"
+
 #include "vdbpack/core/memory.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/pack/packer.h"
 
-#include <catch2/catch.hpp>
-
-#include <limits>
-
-using namespace vdbpack;
-using Catch::Matchers::Contains;
-
-TEST_CASE("sizes of memory are reported in numbers of three digits", "[memory]") {
+TEST_CASE("sizes of memory are reported in numbers of three digits") {
     CHECK(bytesText(12.0 * 1024) == "12 KiB");
     CHECK(bytesText(820.0 * (1 << 20)) == "820 MiB");
     CHECK(bytesText(1.5 * (1 << 30)) == "1.5 GiB");
@@ -19,7 +13,7 @@ TEST_CASE("sizes of memory are reported in numbers of three digits", "[memory]")
     CHECK(bytesText(1e30) == "9.09e+17 TiB");
 }
 
-TEST_CASE("what there is of memory and space is reported", "[memory]") {
+TEST_CASE("what there is of memory and space is reported") {
     CHECK(residentMemory() > 1e6);
     CHECK(residentMemory() < 1e12);
     CHECK(availableMemory() > 0);
@@ -27,7 +21,7 @@ TEST_CASE("what there is of memory and space is reported", "[memory]") {
     CHECK(availableSpace("/nowhere/at/all/p.csv") == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("what may be cancelled is stopped beyond a limit of memory", "[memory]") {
+TEST_CASE("what may be cancelled is stopped beyond a limit of memory") {
     CHECK_THROWS_AS(withinMemory({}, 1).cancelled(), ResourceError);
     CHECK_FALSE(withinMemory({}, 1e15).cancelled());
     Callbacks asked;

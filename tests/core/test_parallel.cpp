@@ -1,16 +1,12 @@
-#include "vdbpack/core/parallel.h"
+#include "support/test.h"
 
-#include <catch2/catch.hpp>
+#include "vdbpack/core/parallel.h"
 
 #include <atomic>
 #include <chrono>
-#include <stdexcept>
 #include <thread>
-#include <vector>
 
-using namespace vdbpack;
-
-TEST_CASE("a work that throws leaves no other half done", "[core]") {
+TEST_CASE("a work that throws leaves no other half done") {
     std::atomic<bool> thrown{false};
     std::vector<int> done(100000);
     const auto run = [&] {
@@ -30,7 +26,7 @@ TEST_CASE("a work that throws leaves no other half done", "[core]") {
     CHECK(done == std::vector<int>(done.size(), 1));
 }
 
-TEST_CASE("each thread has a value of its own, and loops reach every index once", "[core]") {
+TEST_CASE("each thread has a value of its own, and loops reach every index once") {
     std::vector<int> visits(100000);
     PerThread<std::vector<std::size_t>> mine([] { return std::vector<std::size_t>{7}; });
     withThreads(4, [&] {

@@ -1,12 +1,9 @@
+#include "support/test.h"
+
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/symmetric.h"
 
-#include <catch2/catch.hpp>
-
-using namespace vdbpack;
-
-TEMPLATE_TEST_CASE_SIG("a symmetric matrix is put together from its eigenvectors", "[core]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a symmetric matrix is put together from its eigenvectors") {
     RandomStream random(3, Dim);
     for (int round = 0; round < 200; ++round) {
         Matrix<Dim> m;

@@ -1,16 +1,10 @@
 // Bodies in cells: all are there once, and rows of cells hold whatever is near.
+#include "support/test.h"
+
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/body_cells.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <numeric>
-#include <vector>
-
-using namespace vdbpack;
 
 namespace {
 
@@ -49,7 +43,7 @@ struct Bodies {
 
 }  // namespace
 
-TEST_CASE("rows of cells hold every body within reach", "[densify]") {
+TEST_CASE("rows of cells hold every body within reach") {
     const std::int64_t side = 100'000'000;
     const auto size = GENERATE(as<Home>{}, Home{side, side, side}, Home{side, side, 0},
                                Home{40 * side, side / 10, side / 10});
@@ -91,7 +85,7 @@ TEST_CASE("rows of cells hold every body within reach", "[densify]") {
     REQUIRE(visited >= near);
 }
 
-TEST_CASE("bodies of one cell lie side by side, by their numbers", "[densify]") {
+TEST_CASE("bodies of one cell lie side by side, by their numbers") {
     const Bodies given(5000, {50'000'000, 50'000'000, 50'000'000}, 1e6f, 4e6f);
     BodyCells cells;
     given.sortInto(cells);
@@ -102,13 +96,13 @@ TEST_CASE("bodies of one cell lie side by side, by their numbers", "[densify]") 
     }
 }
 
-TEST_CASE("low bits that may deceive are reported", "[densify]") {
+TEST_CASE("low bits that may deceive are reported") {
     BodyCells cells;
     CHECK_FALSE(Bodies(100, {1 << 29, 1 << 29, 1 << 29}, 1e6f, 2e6f).sortInto(cells));
     CHECK(Bodies(100, {std::int64_t(1) << 33, 1, 1}, 1e6f, 2e6f).sortInto(cells));
 }
 
-TEST_CASE("a few bodies far apart take few cells", "[densify]") {
+TEST_CASE("a few bodies far apart take few cells") {
     const std::int64_t far = std::int64_t(1) << 45;
     const Bodies given(20, {far, far, far}, 1e6f, 2e6f);
     BodyCells cells;

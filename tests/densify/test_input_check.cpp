@@ -1,20 +1,12 @@
 // densify's own test of a pack decides as verify does.
 #include "measure/packs.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/densify/input_check.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/verify/verify.h"
 
-#include <catch2/catch.hpp>
-
-#include <limits>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-
-TEMPLATE_TEST_CASE_SIG("a pack is accepted where verify finds no fault", "[densify]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a pack is accepted where verify finds no fault") {
     const double share = GENERATE(-1e-3, 0.0, 0.9e-6, 1.1e-6, 1e-3);
     CAPTURE(Dim, share);
     // Two unit spheres, the first touching the wall, apart by 2 - share.

@@ -1,22 +1,13 @@
 // The planes that hold a sphere in tell the wall's distance as exactly as the wall itself does.
 #include "support/generators.h"
 #include "support/random_point.h"
+#include "support/test.h"
 
-#include "vdbpack/core/rng.h"
 #include "vdbpack/densify/wall_planes.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/inset_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -78,7 +69,7 @@ void requirePlanesOf(const Domain<Dim>& domain, double radius, double slide, boo
 
 }  // namespace
 
-TEST_CASE("planes hold a sphere in beside edges and corners", "[densify]") {
+TEST_CASE("planes hold a sphere in beside edges and corners") {
     const double slide = GENERATE(0.05, 0.3);
     const auto box = boxDomain<3>({{{-3, -4, -5}}, {{3, 4, 5}}});
     requirePlanesOf<3>(*box, 1, slide, false);
@@ -92,25 +83,25 @@ TEST_CASE("planes hold a sphere in beside edges and corners", "[densify]") {
     requirePlanesOf<2>(*rect, 1, slide, false);
 }
 
-TEST_CASE("planes follow curved walls to second order", "[densify]") {
+TEST_CASE("planes follow curved walls to second order") {
     const double slide = GENERATE(0.05, 0.3);
     requirePlanesOf<3>(*ballDomain<3>(4), 1, slide, true);
     requirePlanesOf<3>(*cylinderDomain(4, 6), 1, slide, true);
     requirePlanesOf<2>(*ballDomain<2>(4), 1, slide, true);
 }
 
-TEST_CASE("planes of a mesh are those of its triangles", "[densify]") {
+TEST_CASE("planes of a mesh are those of its triangles") {
     const double slide = GENERATE(0.05, 0.3);
     FieldOptions field;
     field.voxelSize = 0.3;
     field.depth = 3;
-    const auto box = meshDomain(test::boxMesh({{-3, -4, -5}}, {{3, 4, 5}}), field);
+    const auto box = meshDomain(boxMesh({{-3, -4, -5}}, {{3, 4, 5}}), field);
     requirePlanesOf<3>(*box, 1, slide, false);
-    const auto ball = meshDomain(test::ballMesh(4, 4), field);
+    const auto ball = meshDomain(ballMesh(4, 4), field);
     requirePlanesOf<3>(*ball, 1, slide, true);
 }
 
-TEST_CASE("a sphere outside is led back to the nearest wall", "[densify]") {
+TEST_CASE("a sphere outside is led back to the nearest wall") {
     const auto box = boxDomain<3>({{{-3, -4, -5}}, {{3, 4, 5}}});
     WallPlanes<3> walls(*box, kQuantum);
     typename WallPlanes<3>::Vicinity vicinity;

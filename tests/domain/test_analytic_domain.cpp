@@ -1,17 +1,9 @@
 #include "support/random_point.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/core/rng.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -66,8 +58,7 @@ double monteCarloDeeperThan(const Domain<Dim>& domain, double depth, int points)
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("the nearest wall point of a shape lies on its wall, as far away as said",
-                       "[domain]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("the nearest wall point of a shape lies on its wall, as far away as said") {
     for (const auto& shape : shapes<Dim>()) {
         CAPTURE(Dim, shape->facts().kind);
         RandomStream random(1, 2);
@@ -86,8 +77,7 @@ TEMPLATE_TEST_CASE_SIG("the nearest wall point of a shape lies on its wall, as f
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("inside a clipped shape distances are exact", "[domain]", ((int Dim), Dim),
-                       2, 3) {
+DIM_TEST_CASE("inside a clipped shape distances are exact") {
     for (const auto& shape : shapes<Dim>()) {
         CAPTURE(Dim, shape->facts().kind);
         const auto clipped = threeCuts<Dim>(shape);
@@ -115,7 +105,7 @@ TEMPLATE_TEST_CASE_SIG("inside a clipped shape distances are exact", "[domain]",
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("measures agree with random points", "[domain]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("measures agree with random points") {
     const int points = 200000;
     for (const auto& shape : shapes<Dim>())
         for (const bool cut : {false, true}) {
@@ -132,7 +122,7 @@ TEMPLATE_TEST_CASE_SIG("measures agree with random points", "[domain]", ((int Di
         }
 }
 
-TEST_CASE("plain shapes have textbook measures", "[domain]") {
+TEST_CASE("plain shapes have textbook measures") {
     REQUIRE(ballDomain<3>(3)->volume() == Approx(36 * kPi));
     REQUIRE(ballDomain<3>(3)->wallArea() == Approx(36 * kPi));
     REQUIRE(ballDomain<2>(3)->volume() == Approx(9 * kPi));
@@ -146,7 +136,7 @@ TEST_CASE("plain shapes have textbook measures", "[domain]") {
     REQUIRE(boxDomain<2>({{{0, 0}}, {{4, 2}}})->volumeDeeperThan(1) == 0);
 }
 
-TEST_CASE("a cut ball has the volume of a spherical cap within 0.05 %", "[domain]") {
+TEST_CASE("a cut ball has the volume of a spherical cap within 0.05 %") {
     const double height = GENERATE(0.5, 3.0, 10.0, 17.0, 20.0);
     const Vec<3> direction = GENERATE(Vec<3>{{0, 0, 1}}, Vec<3>{{1, 0, 0}}, Vec<3>{{1, 2, -3}});
     const double radius = 10;
@@ -164,7 +154,7 @@ TEST_CASE("a cut ball has the volume of a spherical cap within 0.05 %", "[domain
     REQUIRE(cap->bounds().volume() > expected);
 }
 
-TEST_CASE("a box cut along its axes is a box", "[domain]") {
+TEST_CASE("a box cut along its axes is a box") {
     const auto box = boxDomain<3>({{{0, 0, 0}}, {{4, 5, 6}}});
     const auto cut = clippedDomain<3>(box, {{{{0, 0, 2}}, 4}, {{{-3, 0, 0}}, -3}});
     REQUIRE(cut->volume() == Approx(3 * 5 * 2));
@@ -173,15 +163,14 @@ TEST_CASE("a box cut along its axes is a box", "[domain]") {
     REQUIRE(cut->facts().kind == "box");
 }
 
-TEST_CASE("cutting twice equals cutting once with both planes", "[domain]") {
+TEST_CASE("cutting twice equals cutting once with both planes") {
     const HalfSpace<3> first{{{1, 1, 0}}, 1};
     const HalfSpace<3> second{{{0, -1, 1}}, 0.5};
     const auto ball = ballDomain<3>(3);
     const auto once = clippedDomain<3>(ball, {first, second});
     const auto twice = clippedDomain<3>(clippedDomain<3>(ball, {first}), {second});
     REQUIRE(twice->volume() == Approx(once->volume()).epsilon(1e-6));
-    const auto a = once->sampler();
-    const auto b = twice->sampler();
+    const auto a = once->sampler(), b = twice->sampler();
     RandomStream random(7, 7);
     for (int i = 0; i < 100; ++i) {
         const auto x = randomPoint(random, ball->bounds());
@@ -189,7 +178,7 @@ TEST_CASE("cutting twice equals cutting once with both planes", "[domain]") {
     }
 }
 
-TEST_CASE("slices of shapes are shapes", "[domain]") {
+TEST_CASE("slices of shapes are shapes") {
     REQUIRE(sliceDomain(ballDomain<3>(5, {{1, 2, 3}}), 6)->volume() == Approx(16 * kPi));
     REQUIRE(sliceDomain(ballDomain<3>(5, {{1, 2, 3}}), 6)->facts().kind == "slice");
     REQUIRE(sliceDomain(cylinderDomain(2, 5), 1)->volume() == Approx(4 * kPi));
@@ -202,7 +191,7 @@ TEST_CASE("slices of shapes are shapes", "[domain]") {
     REQUIRE_THROWS_AS(sliceDomain(ballDomain<3>(5), std::nan("")), ParameterError);
 }
 
-TEST_CASE("unusable shapes are refused", "[domain]") {
+TEST_CASE("unusable shapes are refused") {
     REQUIRE_THROWS_AS(ballDomain<3>(0), ParameterError);
     REQUIRE_THROWS_AS(ballDomain<2>(-1), ParameterError);
     REQUIRE_THROWS_AS(ballDomain<3>(std::nan("")), ParameterError);

@@ -1,17 +1,11 @@
 #include "support/generators.h"
+#include "support/test.h"
 #include "support/triangle_oracle.h"
 
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/facet_bins.h"
 
-#include <catch2/catch.hpp>
 #include <tbb/global_control.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-using namespace vdbpack;
 
 namespace {
 
@@ -83,8 +77,7 @@ void requireLikeBruteForce(const FacetBins<Dim>& bins, const std::vector<Facet<D
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("bins find the same nearest facet as a search through all", "[domain]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("bins find the same nearest facet as a search through all") {
     const auto seed = GENERATE(range(1u, 6u));
     const double far = GENERATE(0.0, 1e4);
     CAPTURE(Dim, seed, far);
@@ -102,8 +95,7 @@ TEMPLATE_TEST_CASE_SIG("bins find the same nearest facet as a search through all
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("bins find every facet within reach, and no other", "[domain]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("bins find every facet within reach, and no other") {
     const auto seed = GENERATE(range(1u, 4u));
     const double reach = GENERATE(0.1, 1.0, 6.0);
     CAPTURE(Dim, seed, reach);
@@ -135,8 +127,8 @@ TEMPLATE_TEST_CASE_SIG("bins find every facet within reach, and no other", "[dom
     }
 }
 
-TEST_CASE("bins answer exactly all over a mesh, also beside edges and vertices", "[domain]") {
-    const auto facets = facetsOf(test::ballMesh(10, 4));
+TEST_CASE("bins answer exactly all over a mesh, also beside edges and vertices") {
+    const auto facets = facetsOf(ballMesh(10, 4));
     const FacetBins<3> bins(facets);
     RandomStream random(3, 3);
     for (int k = 0; k < 150; ++k) {
@@ -152,10 +144,8 @@ TEST_CASE("bins answer exactly all over a mesh, also beside edges and vertices",
     requireLikeBruteForce(bins, facets, Vec<3>{{1e6, 0, 0}}, 1e-8);
 }
 
-TEST_CASE("a fan of thousands of long triangles is searched exactly, in memory as for others",
-          "[domain]") {
-    const auto facets =
-        facetsOf(test::rotated(test::doubleConeMesh(10, 8, 20000), {{1, 2, 3}}, 0.7));
+TEST_CASE("a fan of thousands of long triangles is searched exactly, in memory as for others") {
+    const auto facets = facetsOf(rotated(doubleConeMesh(10, 8, 20000), {{1, 2, 3}}, 0.7));
     const FacetBins<3> bins(facets);
     REQUIRE(bins.memoryBytes() < 256 * facets.size());
     RandomStream random(3, 5);
@@ -175,7 +165,7 @@ TEST_CASE("a fan of thousands of long triangles is searched exactly, in memory a
     }
 }
 
-TEST_CASE("a huge triangle among tiny ones neither hides them nor fills memory", "[domain]") {
+TEST_CASE("a huge triangle among tiny ones neither hides them nor fills memory") {
     auto facets = mixedFacets<3>(9, 500, 0);
     for (auto& facet : facets)
         for (auto& corner : facet) corner = corner * 1e-3;
@@ -188,7 +178,7 @@ TEST_CASE("a huge triangle among tiny ones neither hides them nor fills memory",
         requireLikeBruteForce(bins, facets, randomVec<3>(random, k % 2 == 0 ? 0.04 : 1e5), 1e-7);
 }
 
-TEST_CASE("bins of nothing, of a point and of a flat square", "[domain]") {
+TEST_CASE("bins of nothing, of a point and of a flat square") {
     WallPoint<3> wall;
     REQUIRE_FALSE(FacetBins<3>({}).nearest({}, 1e9, wall));
     REQUIRE_FALSE(FacetBins<3>({}).anyCloser({}, 1e9));
@@ -207,14 +197,13 @@ TEST_CASE("bins of nothing, of a point and of a flat square", "[domain]") {
     REQUIRE(wall.point == Vec<3>{{1, 1, 0}});
 }
 
-TEST_CASE("bins do not depend on the number of threads", "[domain]") {
+TEST_CASE("bins do not depend on the number of threads") {
     const auto facets = mixedFacets<3>(2, 20000, 0);
     const auto build = [&](std::size_t threads) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         return FacetBins<3>(facets);
     };
-    const auto one = build(1);
-    const auto many = build(8);
+    const auto one = build(1), many = build(8);
     RandomStream random(6, 6);
     for (int k = 0; k < 500; ++k) {
         const Vec<3> x = randomVec<3>(random, 22);

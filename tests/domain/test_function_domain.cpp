@@ -1,8 +1,7 @@
 // Domains from a function: the same as shapes for their distances, and exact for packs.
 #include "support/cube.h"
-#include "support/message_of.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
@@ -10,14 +9,6 @@
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/verify/overlap.h"
 #include "vdbpack/verify/protrusion.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <limits>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -60,8 +51,7 @@ double largestOn(const std::vector<Sphere<3>>& spheres, const Function& f) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("a signed distance function is the domain of its shape", "[domain]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a signed distance function is the domain of its shape") {
     const auto exact = ballDomain<Dim>(5);
     const auto domain = functionDomain<Dim>(ball<Dim>(5), cube<Dim>(11));
     CAPTURE(Dim);
@@ -90,7 +80,7 @@ TEMPLATE_TEST_CASE_SIG("a signed distance function is the domain of its shape", 
     }
 }
 
-TEST_CASE("nothing protrudes from a function that is a signed distance", "[domain]") {
+TEST_CASE("nothing protrudes from a function that is a signed distance") {
     // A ball whose lower part is cut off by the bounds.
     Box<3> bounds = cube<3>(20);
     bounds.lo[2] = -4;
@@ -111,7 +101,7 @@ TEST_CASE("nothing protrudes from a function that is a signed distance", "[domai
     CHECK(checkOverlap(circles.pack.spheres).pairs == 0);
 }
 
-TEST_CASE("a gyroid divided by its largest gradient keeps spheres inside", "[domain]") {
+TEST_CASE("a gyroid divided by its largest gradient keeps spheres inside") {
     const double c = 3;
     const auto f = [c](const Vec<3>& x) { return gyroid(x, c); };
     FunctionOptions options;
@@ -125,7 +115,7 @@ TEST_CASE("a gyroid divided by its largest gradient keeps spheres inside", "[dom
     CHECK(checkOverlap(packed).pairs == 0);
 }
 
-TEST_CASE("the contour of a gyroid holds a pack as close as its voxels allow", "[domain]") {
+TEST_CASE("the contour of a gyroid holds a pack as close as its voxels allow") {
     const double c = 3;
     const auto f = [c](const Vec<3>& x) { return gyroid(x, c); };
     FunctionOptions options;
@@ -148,7 +138,7 @@ TEST_CASE("the contour of a gyroid holds a pack as close as its voxels allow", "
     CHECK(sliceDomain(domain, 1)->volume() > 0);
 }
 
-TEST_CASE("functions that are no domain are refused", "[domain]") {
+TEST_CASE("functions that are no domain are refused") {
     const Box<3> bounds = cube<3>(11);
     const auto f = ball<3>(5);
     FunctionOptions options;
@@ -164,12 +154,12 @@ TEST_CASE("functions that are no domain are refused", "[domain]") {
     const auto steep = [&](const Vec<3>& x) { return 2 * f(x); };
     const auto notFinite = [](const Vec<3>& x) { return x[0] / std::abs(x[0]); };
     for (const auto& message :
-         {test::messageOf<InputError>([&] { functionDomain<3>(steep, bounds, options); }),
-          test::messageOf<InputError>([&] { functionDomain<3>(notFinite, bounds, options); })}) {
+         {messageOf<InputError>([&] { functionDomain<3>(steep, bounds, options); }),
+          messageOf<InputError>([&] { functionDomain<3>(notFinite, bounds, options); })}) {
         CAPTURE(message);
         REQUIRE(message.find("mine") != std::string::npos);
     }
-    REQUIRE(test::messageOf<InputError>([&] {
+    REQUIRE(messageOf<InputError>([&] {
                 functionDomain<3>(steep, bounds, options);
             }).find("`steepest`") != std::string::npos);
     REQUIRE_THROWS_AS(sliceDomain(functionDomain<3>(f, bounds), 0), ParameterError);

@@ -1,20 +1,11 @@
 #include "support/random_point.h"
+#include "support/test.h"
 
-#include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/pack/packer.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <memory>
-
-using namespace vdbpack;
-
-TEMPLATE_TEST_CASE_SIG("spheres in the intersection of two domains leave neither", "[domain]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("spheres in the intersection of two domains leave neither") {
     const std::shared_ptr<const Domain<Dim>> ball = ballDomain<Dim>(10);
     Box<Dim> box;
     for (int d = 0; d < Dim; ++d) {

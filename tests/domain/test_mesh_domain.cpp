@@ -1,23 +1,12 @@
 #include "support/generators.h"
-#include "support/message_of.h"
 #include "support/random_point.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/core/rng.h"
-#include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 
-#include <catch2/catch.hpp>
 #include <tbb/global_control.h>
-
-#include <cmath>
-#include <limits>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -32,14 +21,12 @@ FieldOptions options(double voxelSize, double depth = 2) {
 
 /// Largest and mean difference of two domains' signed distances where neither is clamped.
 struct Errors {
-    double largest = 0;
-    double mean = 0;
+    double largest = 0, mean = 0;
 };
 
 Errors compare(const Domain<3>& domain, const Domain<3>& exact, double outside) {
     RandomStream random(11, 1);
-    const auto a = domain.sampler();
-    const auto b = exact.sampler();
+    const auto a = domain.sampler(), b = exact.sampler();
     Errors errors;
     int count = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -70,11 +57,10 @@ TriangleMesh withoutTriangle(TriangleMesh mesh, std::size_t index) {
 
 }  // namespace
 
-TEST_CASE("the field of a ball or box is right within a voxel, better in smaller voxels",
-          "[domain]") {
+TEST_CASE("the field of a ball or box is right within a voxel, better in smaller voxels") {
     const Box<3> box{{{-4, -5, -6}}, {{5, 4, 3}}};
     const bool ball = GENERATE(true, false);
-    const auto mesh = ball ? test::ballMesh(6, 5) : test::boxMesh(box.lo, box.hi);
+    const auto mesh = ball ? ballMesh(6, 5) : boxMesh(box.lo, box.hi);
     const auto exact = ball ? ballDomain<3>(6) : boxDomain<3>(box);
     Errors coarser{1e9, 1e9};
     for (const double voxelSize : {1.0, 0.5, 0.25}) {
@@ -93,12 +79,11 @@ TEST_CASE("the field of a ball or box is right within a voxel, better in smaller
     }
 }
 
-TEST_CASE("the nearest wall of a mesh is exact however coarse the field", "[domain]") {
+TEST_CASE("the nearest wall of a mesh is exact however coarse the field") {
     const Box<3> box{{{-4, -5, -6}}, {{5, 4, 3}}};
-    const auto domain = meshDomain(test::boxMesh(box.lo, box.hi), options(1.3));
+    const auto domain = meshDomain(boxMesh(box.lo, box.hi), options(1.3));
     const auto exact = boxDomain<3>(box);
-    const auto a = domain->sampler();
-    const auto b = exact->sampler();
+    const auto a = domain->sampler(), b = exact->sampler();
     RandomStream random(8, 8);
     for (int i = 0; i < 5000; ++i) {
         const Vec<3> x = randomPoint(random, box.grown(2));
@@ -113,14 +98,14 @@ TEST_CASE("the nearest wall of a mesh is exact however coarse the field", "[doma
     }
 }
 
-TEST_CASE("a cavity stays empty whichever way its triangles face", "[domain]") {
+TEST_CASE("a cavity stays empty whichever way its triangles face") {
     const bool inward = GENERATE(true, false);
     const bool outerFlipped = GENERATE(true, false);
-    auto outer = test::ballMesh(10, 5);
-    if (outerFlipped) outer = test::flipped(outer);
-    auto cavity = test::ballMesh(5, 5);
-    if (inward) cavity = test::flipped(cavity);
-    const auto domain = meshDomain(test::merged(outer, cavity), options(0.4, 4));
+    auto outer = ballMesh(10, 5);
+    if (outerFlipped) outer = flipped(outer);
+    auto cavity = ballMesh(5, 5);
+    if (inward) cavity = flipped(cavity);
+    const auto domain = meshDomain(merged(outer, cavity), options(0.4, 4));
     REQUIRE(domain->volume() == Approx(3665).epsilon(0.01));
     REQUIRE(domain->volumeDeeperThan(1) ==
             Approx(4.0 / 3 * kPi * (9.0 * 9 * 9 - 6 * 6 * 6)).epsilon(0.01));
@@ -135,12 +120,12 @@ TEST_CASE("a cavity stays empty whichever way its triangles face", "[domain]") {
     REQUIRE(slice->volume() == Approx(kPi * (91 - 16)).epsilon(0.01));
 }
 
-TEST_CASE("shells nest to any depth", "[domain]") {
+TEST_CASE("shells nest to any depth") {
     TriangleMesh mesh;
     double volume = 0;
     for (int i = 0; i < 5; ++i) {
         const double radius = 10 - 2 * i;
-        mesh = test::merged(mesh, test::ballMesh(radius, 4));
+        mesh = merged(mesh, ballMesh(radius, 4));
         volume += (i % 2 == 0 ? 1 : -1) * Measure<3>::ball(radius);
     }
     const auto domain = meshDomain(mesh, options(0.3, 1));
@@ -151,24 +136,22 @@ TEST_CASE("shells nest to any depth", "[domain]") {
         REQUIRE((asker->signedDistance({{9.0 - 2 * i, 0, 0}}) < 0) == (i % 2 == 0));
 }
 
-TEST_CASE("pieces side by side are one domain", "[domain]") {
-    const auto mesh = test::merged(test::ballMesh(4, 4), test::ballMesh(3, 4, {{9, 0, 0}}));
+TEST_CASE("pieces side by side are one domain") {
+    const auto mesh = merged(ballMesh(4, 4), ballMesh(3, 4, {{9, 0, 0}}));
     const auto domain = meshDomain(mesh, options(0.3));
     REQUIRE(domain->volume() == Approx(Measure<3>::ball(4) + Measure<3>::ball(3)).epsilon(0.01));
     REQUIRE(domain->sampler()->signedDistance({{9, 0, 0}}) < 0);
     REQUIRE(domain->sampler()->signedDistance({{5, 0, 0}}) > 0);
 }
 
-TEST_CASE("a bone far from the origin or in another place on the lattice is the same bone",
-          "[domain]") {
-    const auto mesh = test::ballMesh(5, 4);
+TEST_CASE("a bone far from the origin or in another place on the lattice is the same bone") {
+    const auto mesh = ballMesh(5, 4);
     const auto home = meshDomain(mesh, options(0.4));
     const Vec<3> shift{{1e4 + 1.0 / 3, -7e3, 123.456}};
-    const auto away = meshDomain(test::translated(mesh, shift), options(0.4));
+    const auto away = meshDomain(translated(mesh, shift), options(0.4));
     REQUIRE(away->volume() == Approx(home->volume()).epsilon(1e-9));
     REQUIRE(away->volumeDeeperThan(1) == Approx(home->volumeDeeperThan(1)).epsilon(1e-4));
-    const auto a = home->sampler();
-    const auto b = away->sampler();
+    const auto a = home->sampler(), b = away->sampler();
     RandomStream random(2, 2);
     for (int i = 0; i < 2000; ++i) {
         const Vec<3> x = randomPoint(random, home->bounds().grown(1));
@@ -180,9 +163,9 @@ TEST_CASE("a bone far from the origin or in another place on the lattice is the 
     }
 }
 
-TEST_CASE("a wall thinner than a voxel is still inside where it is", "[domain]") {
+TEST_CASE("a wall thinner than a voxel is still inside where it is") {
     // A plate of 20 x 20 x 0.3 in voxels of 0.5, then as one may ask.
-    const auto mesh = test::boxMesh({{0, 0, 0}}, {{20, 20, 0.3}});
+    const auto mesh = boxMesh({{0, 0, 0}}, {{20, 20, 0.3}});
     const auto domain = meshDomain(mesh, options(0, 0.5));
     REQUIRE(domain->volume() == Approx(120));
     const auto asker = domain->sampler();
@@ -198,7 +181,7 @@ TEST_CASE("a wall thinner than a voxel is still inside where it is", "[domain]")
     REQUIRE(asker->signedDistance({{10, 10, -1.2}}) > 0);
 }
 
-TEST_CASE("meshes without an inside are refused with a reason", "[domain]") {
+TEST_CASE("meshes without an inside are refused with a reason") {
     REQUIRE_THROWS_WITH(meshDomain({}, options(0.5)), Contains("bone"));
     TriangleMesh one;
     one.vertices = {{{0, 0, 0}}, {{10, 0, 0}}, {{0, 10, 0}}};
@@ -212,17 +195,16 @@ TEST_CASE("meshes without an inside are refused with a reason", "[domain]") {
     wrong.triangles = {{0, 1, 7}};
     REQUIRE_THROWS_WITH(meshDomain(wrong, options(0.5)),
                         Contains("triangle 0") && Contains("vertex 7"));
-    auto infinite = test::ballMesh(5, 1);
+    auto infinite = ballMesh(5, 1);
     infinite.vertices[3][1] = std::numeric_limits<double>::infinity();
     REQUIRE_THROWS_WITH(meshDomain(infinite, options(0.5)), Contains("vertex 3"));
-    const auto ball = test::ballMesh(5, 2);
+    const auto ball = ballMesh(5, 2);
     REQUIRE_THROWS_AS(meshDomain(ball, options(-1)), ParameterError);
     REQUIRE_THROWS_AS(meshDomain(ball, options(1, std::nan(""))), ParameterError);
     REQUIRE_THROWS_AS(meshDomain(ball, options(1e-5)), ResourceError);
 }
 
-TEST_CASE("loose triangles are refused before anything is made of them, thin ones too",
-          "[domain]") {
+TEST_CASE("loose triangles are refused before anything is made of them, thin ones too") {
     const double width = GENERATE(1.0, 1e-4);
     RandomStream random(5, 2);
     const auto point = [&](double size) {
@@ -245,29 +227,28 @@ TEST_CASE("loose triangles are refused before anything is made of them, thin one
     CHECK(reports == 0);
 }
 
-TEST_CASE("a hole wider than a voxel is refused and named", "[domain]") {
-    const auto mesh = withoutTriangle(test::ballMesh(10, 3), 100);
+TEST_CASE("a hole wider than a voxel is refused and named") {
+    const auto mesh = withoutTriangle(ballMesh(10, 3), 100);
     REQUIRE_THROWS_AS(meshDomain(mesh, options(0.3)), InputError);
     REQUIRE_THROWS_WITH(meshDomain(mesh, options(0.3)), Contains("3 boundary edges") &&
                                                             Contains("first at vertex") &&
                                                             Contains("mm³"));
 }
 
-TEST_CASE("a hole much smaller than a voxel is a warning", "[domain]") {
-    const auto mesh = withoutTriangle(test::ballMesh(10, 6), 1234);
+TEST_CASE("a hole much smaller than a voxel is a warning") {
+    const auto mesh = withoutTriangle(ballMesh(10, 6), 1234);
     const auto warnings = warningsOf(mesh, options(1.0));
     REQUIRE(warnings.size() == 1);
     REQUIRE_THAT(warnings[0], Contains("3 boundary edges") && Contains("first at vertex"));
-    REQUIRE(warningsOf(test::ballMesh(10, 3), options(1.0)).empty());
+    REQUIRE(warningsOf(ballMesh(10, 3), options(1.0)).empty());
     const auto domain = meshDomain(mesh, options(1.0));
     REQUIRE(domain->volume() == Approx(Measure<3>::ball(10)).epsilon(0.01));
     REQUIRE(domain->facts().boundaryEdges == 3);
 }
 
-TEST_CASE("a coarse mesh with more open edges than triangles, but no gap, is a warning",
-          "[domain]") {
+TEST_CASE("a coarse mesh with more open edges than triangles, but no gap, is a warning") {
     // A vertex in the middle of a side that only one of its triangles has: three open edges each.
-    auto mesh = test::boxMesh({{-5, -5, -5}}, {{5, 5, 5}});
+    auto mesh = boxMesh({{-5, -5, -5}}, {{5, 5, 5}});
     for (const std::size_t i : {0u, 2u, 4u, 6u, 8u, 10u}) {
         const auto t = mesh.triangles[i];
         const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -279,14 +260,14 @@ TEST_CASE("a coarse mesh with more open edges than triangles, but no gap, is a w
     REQUIRE(meshDomain(mesh, options(0.5))->volume() == Approx(1000).epsilon(0.01));
 }
 
-TEST_CASE("overlapping pieces are refused with both volumes", "[domain]") {
-    const auto mesh = test::merged(test::ballMesh(5, 4), test::ballMesh(5, 4, {{6, 0, 0}}));
+TEST_CASE("overlapping pieces are refused with both volumes") {
+    const auto mesh = merged(ballMesh(5, 4), ballMesh(5, 4, {{6, 0, 0}}));
     REQUIRE_THROWS_AS(meshDomain(mesh, options(0.3)), InputError);
     REQUIRE_THROWS_WITH(meshDomain(mesh, options(0.3)), Contains("mm³"));
 }
 
-TEST_CASE("voxels too coarse for a sound mesh are what a message names", "[domain]") {
-    const auto rod = test::boxMesh({{-2, -2, -50}}, {{2, 2, 50}});
+TEST_CASE("voxels too coarse for a sound mesh are what a message names") {
+    const auto rod = boxMesh({{-2, -2, -50}}, {{2, 2, 50}});
     const std::string message = messageOf<InputError>([&] { meshDomain(rod, options(30)); });
     CHECK_THAT(message, Contains("bone") && Contains("30 mm") && Contains("`voxelSize`") &&
                             !Contains("intersects") && !Contains("repair"));
@@ -295,10 +276,10 @@ TEST_CASE("voxels too coarse for a sound mesh are what a message names", "[domai
     CHECK_NOTHROW(meshDomain(rod, options(std::stod(message.substr(at + 3)))));
 }
 
-TEST_CASE("a surface given twice is named as such", "[domain]") {
-    auto mesh = test::ballMesh(5, 3);
-    const bool flipped = GENERATE(false, true);
-    const auto once = flipped ? test::flipped(mesh).triangles : mesh.triangles;
+TEST_CASE("a surface given twice is named as such") {
+    auto mesh = ballMesh(5, 3);
+    const bool inward = GENERATE(false, true);
+    const auto once = inward ? flipped(mesh).triangles : mesh.triangles;
     mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
     bool begun = false;
     Callbacks callbacks;
@@ -306,35 +287,34 @@ TEST_CASE("a surface given twice is named as such", "[domain]") {
     CHECK_THAT(messageOf<InputError>([&] { meshDomain(mesh, options(0.3), callbacks); }),
                Contains("1280 of its 2560") && Contains("`repair`") && !Contains("intersects"));
     // Two layers that cancel are refused before a field is made.
-    CHECK(begun == !flipped);
+    CHECK(begun == !inward);
 }
 
-TEST_CASE("copies of triangles do not count twice", "[domain]") {
-    auto mesh = test::ballMesh(6, 4);
+TEST_CASE("copies of triangles do not count twice") {
+    auto mesh = ballMesh(6, 4);
     for (std::size_t i = 0; i < 60; i += 3) mesh.triangles.push_back(mesh.triangles[i]);
     const auto domain = meshDomain(mesh, options(0.4));
     REQUIRE(domain->volume() == Approx(Measure<3>::ball(6)).epsilon(0.01));
     REQUIRE(warningsOf(mesh, options(0.4)).size() == 1);
 }
 
-TEST_CASE("voxels by default fit detail, bone and memory", "[domain]") {
-    const auto ball = test::ballMesh(10, 4);
+TEST_CASE("voxels by default fit detail, bone and memory") {
+    const auto ball = ballMesh(10, 4);
     REQUIRE(defaultVoxelSize(ball, 0.3) == Approx(0.33));
     REQUIRE(defaultVoxelSize(ball, 0) < 1);
     REQUIRE(defaultVoxelSize(ball, 100) < 1);
     const double smallest = defaultVoxelSize(ball, 1e-9);
     REQUIRE(9 * 4 * kPi * 100 / (smallest * smallest) < 5e7);
-    REQUIRE(defaultVoxelSize(test::scaled(ball, 1000), 300) == Approx(330));
+    REQUIRE(defaultVoxelSize(scaled(ball, 1000), 300) == Approx(330));
 }
 
-TEST_CASE("a field is the same for any number of threads", "[domain]") {
-    const auto mesh = test::torusMesh(8, 3, 60, 30);
+TEST_CASE("a field is the same for any number of threads") {
+    const auto mesh = torusMesh(8, 3, 60, 30);
     const auto build = [&](std::size_t threads) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         return meshDomain(mesh, options(0.3));
     };
-    const auto one = build(1);
-    const auto many = build(8);
+    const auto one = build(1), many = build(8);
     REQUIRE(one->volumeDeeperThan(0.7) == many->volumeDeeperThan(0.7));
     const auto a = one->sampler();
     RandomStream random(6, 9);
@@ -345,9 +325,9 @@ TEST_CASE("a field is the same for any number of threads", "[domain]") {
         REQUIRE(a->signedDistance(points[i]) == batch[i]);
 }
 
-TEST_CASE("a slice of a mesh is the outline of its triangles", "[domain]") {
+TEST_CASE("a slice of a mesh is the outline of its triangles") {
     const Vec<3> center{{700, -30, 5}};
-    const auto domain = meshDomain(test::ballMesh(10, 5, center), options(0.4));
+    const auto domain = meshDomain(ballMesh(10, 5, center), options(0.4));
     const double height = GENERATE(5.0, 8.0, -3.0, 14.0);
     CAPTURE(height);
     const double radius = std::sqrt(100 - (height - 5) * (height - 5));
@@ -357,8 +337,7 @@ TEST_CASE("a slice of a mesh is the outline of its triangles", "[domain]") {
     REQUIRE(slice->volume() == Approx(disc->volume()).epsilon(0.01));
     REQUIRE(slice->wallArea() == Approx(disc->wallArea()).epsilon(0.01));
     REQUIRE(slice->volumeDeeperThan(1) == Approx(disc->volumeDeeperThan(1)).epsilon(0.02));
-    const auto a = slice->sampler();
-    const auto b = disc->sampler();
+    const auto a = slice->sampler(), b = disc->sampler();
     RandomStream random(1, 5);
     for (int i = 0; i < 2000; ++i) {
         const Vec<2> x{{700 + 24 * (random.uniform() - 0.5), -30 + 24 * (random.uniform() - 0.5)}};
@@ -374,11 +353,11 @@ TEST_CASE("a slice of a mesh is the outline of its triangles", "[domain]") {
     }
 }
 
-TEST_CASE("vertices exactly on the slice's plane do no harm", "[domain]") {
+TEST_CASE("vertices exactly on the slice's plane do no harm") {
     // The equator of this ball is a ring of vertices, the box has faces and edges in the plane.
-    const auto ball = meshDomain(test::uvBallMesh(10, 16, 32), options(0.4));
+    const auto ball = meshDomain(uvBallMesh(10, 16, 32), options(0.4));
     REQUIRE(sliceDomain(ball, 0)->volume() == Approx(16 * 100 * std::sin(kPi / 16)).epsilon(1e-6));
-    const auto box = meshDomain(test::boxMesh({{0, 0, 0}}, {{3, 4, 5}}), options(0.2));
+    const auto box = meshDomain(boxMesh({{0, 0, 0}}, {{3, 4, 5}}), options(0.2));
     REQUIRE(sliceDomain(box, 5)->volume() == Approx(12));
     REQUIRE(sliceDomain(box, 2.5)->volume() == Approx(12));
     REQUIRE(sliceDomain(box, 2.5)->wallArea() == Approx(14));
@@ -386,8 +365,8 @@ TEST_CASE("vertices exactly on the slice's plane do no harm", "[domain]") {
     REQUIRE_THROWS_WITH(sliceDomain(box, 6), Contains("0 to 5"));
 }
 
-TEST_CASE("a clipped mesh has the volume of its half", "[domain]") {
-    const auto ball = meshDomain(test::ballMesh(10, 5), options(0.4));
+TEST_CASE("a clipped mesh has the volume of its half") {
+    const auto ball = meshDomain(ballMesh(10, 5), options(0.4));
     const auto half = clippedDomain<3>(ball, {{{{0, 0, 1}}, 2}});
     const double expected = kPi * 144 * (10 - 4);
     REQUIRE(half->volume() == Approx(expected).epsilon(0.005));

@@ -1,4 +1,5 @@
 #include "support/generators.h"
+#include "support/test.h"
 #include "voids/stamping.h"
 
 #include "vdbpack/domain/analytic_domain.h"
@@ -7,16 +8,6 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/voxel_image.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -49,7 +40,7 @@ void requireSurface(const Domain<3>& domain, double h, bool exactSigns, const Er
 
 }  // namespace
 
-TEST_CASE("the surface of a shape in voxels is where the shape ends", "[domain]") {
+TEST_CASE("the surface of a shape in voxels is where the shape ends") {
     struct Case {
         const char* name;
         std::shared_ptr<const Domain<3>> domain;
@@ -73,7 +64,7 @@ TEST_CASE("the surface of a shape in voxels is where the shape ends", "[domain]"
     }
 }
 
-TEST_CASE("the surface of a mesh is known in voxels of any size", "[domain]") {
+TEST_CASE("the surface of a mesh is known in voxels of any size") {
     FieldOptions options;
     options.voxelSize = 0.2;
     const auto mesh = meshDomain(ballMesh(6, 5), options);

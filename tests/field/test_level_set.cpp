@@ -1,25 +1,13 @@
 // Level sets as domains.
 #include "support/generators.h"
 #include "support/grids.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 #include "voids/stamping.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_init.h"
-#include "vdbpack/field/voxel_image.h"
 #include "vdbpack/mesh/mesh_check.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -38,11 +26,11 @@ void writeGrids(const std::string& path, const openvdb::GridPtrVec& grids) {
 
 }  // namespace
 
-TEST_CASE("the surface grid of a mesh is a symmetric level set in mm of the mesh", "[domain]") {
+TEST_CASE("the surface grid of a mesh is a symmetric level set in mm of the mesh") {
     const Vec<3> center{{700, -30, 5}};
     const double cavity = GENERATE(0.0, 4.0);
-    auto mesh = test::ballMesh(8, 4, center);
-    if (cavity > 0) mesh = test::merged(mesh, test::ballMesh(cavity, 4, center));
+    auto mesh = ballMesh(8, 4, center);
+    if (cavity > 0) mesh = merged(mesh, ballMesh(cavity, 4, center));
     const auto domain = meshDomain(mesh, options(0.4));
     const auto& grid = *domain->grid()->grid;
     REQUIRE(grid.getName() == "surface");
@@ -68,10 +56,10 @@ TEST_CASE("the surface grid of a mesh is a symmetric level set in mm of the mesh
     REQUIRE(domain->grid() == domain->grid());
 }
 
-TEST_CASE("a level set written and read is the same domain", "[domain]") {
+TEST_CASE("a level set written and read is the same domain") {
     const TemporaryFolder folder;
     const Vec<3> center{{300, 20, -10}};
-    const auto mesh = test::merged(test::ballMesh(8, 5, center), test::ballMesh(4, 5, center));
+    const auto mesh = merged(ballMesh(8, 5, center), ballMesh(4, 5, center));
     const auto first = meshDomain(mesh, options(0.4));
     const std::string path = folder.file("bone.vdb");
     writeGrids(path, {first->grid()->grid});
@@ -95,47 +83,41 @@ TEST_CASE("a level set written and read is the same domain", "[domain]") {
     REQUIRE_THROWS_AS(levelSetMesh(path, "surface", 0), ParameterError);
 }
 
-TEST_CASE("grids that are no level sets of cubes are refused with a reason", "[domain]") {
-    initializeOpenVdb();
+TEST_CASE("grids that are no level sets of cubes are refused with a reason") {
     const TemporaryFolder folder;
     const std::string path = folder.file("grids.vdb");
-    const auto fog = openvdb::FloatGrid::create(0);
-    fog->setName("density");
-    fog->setGridClass(openvdb::GRID_FOG_VOLUME);
+    const auto grid = [](float background, const char* name = "surface",
+                         openvdb::GridClass kind = openvdb::GRID_LEVEL_SET) {
+        const auto made = newGrid<openvdb::FloatGrid>(background);
+        made->setName(name);
+        made->setGridClass(kind);
+        return made;
+    };
+    const auto refused = [&](const openvdb::FloatGrid::Ptr& made, const std::string& reason,
+                             const char* name = "") {
+        writeGrids(path, {made});
+        REQUIRE_THROWS_WITH(levelSetMesh(path, name, 1), Contains(reason));
+    };
+    const auto fog = grid(0, "density", openvdb::GRID_FOG_VOLUME);
     fog->tree().setValue({0, 0, 0}, 1);
-    writeGrids(path, {fog});
-    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("density"));
-    REQUIRE_THROWS_WITH(levelSetMesh(path, "density", 1), Contains("'density'"));
-
-    const auto stretched = openvdb::FloatGrid::create(3);
-    stretched->setName("surface");
-    stretched->setGridClass(openvdb::GRID_LEVEL_SET);
+    refused(fog, "density");
+    refused(fog, "'density'", "density");
+    const auto stretched = grid(3);
     stretched->tree().setValue({0, 0, 0}, -1);
     openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();
     matrix[0][0] = 2;
     stretched->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
-    writeGrids(path, {stretched});
-    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains(path));
-
-    const auto empty = openvdb::FloatGrid::create(3);
-    empty->setName("surface");
-    empty->setGridClass(openvdb::GRID_LEVEL_SET);
-    writeGrids(path, {empty});
-    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains(path));
-
+    refused(stretched, path);
+    const auto empty = grid(3);
+    refused(empty, path);
     empty->tree().setValue({1, 2, 3}, std::nanf(""));
-    writeGrids(path, {empty});
-    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("(1, 2, 3)"));
-
-    const auto flat = openvdb::FloatGrid::create(0);
-    flat->setName("surface");
-    flat->setGridClass(openvdb::GRID_LEVEL_SET);
+    refused(empty, "(1, 2, 3)");
+    const auto flat = grid(0);
     flat->tree().setValue({0, 0, 0}, -1);
-    writeGrids(path, {flat});
-    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("background"));
+    refused(flat, "background");
 }
 
-TEST_CASE("a fog volume has its surface where its values pass the threshold", "[domain]") {
+TEST_CASE("a fog volume has its surface where its values pass the threshold") {
     const TemporaryFolder folder;
     const std::string path = folder.file("fog.vdb");
     // From 2 in the middle to 0 at a distance of 10 mm; a hollow of 4 mm.
@@ -172,7 +154,7 @@ TEST_CASE("a fog volume has its surface where its values pass the threshold", "[
     CHECK_THROWS_WITH(fogVolumeMesh(path, "other", unit, 1), Contains("'other'"));
 }
 
-TEST_CASE("level sets whose voxels lie aslant are sampled, not copied", "[morphometry][domain]") {
+TEST_CASE("level sets whose voxels lie aslant are sampled, not copied") {
     initializeOpenVdb();
     auto ball = ballGrid(2.0f, openvdb::Vec3f(0), 0.1f);
     const auto transform = openvdb::math::Transform::createLinearTransform(0.1);

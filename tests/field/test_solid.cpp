@@ -1,18 +1,8 @@
-#include "support/cube.h"
+#include "support/test.h"
 #include "voids/stamping.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/field/solid.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <memory>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -119,7 +109,7 @@ std::size_t voxelsOf(const Flood& flood) {
 
 }  // namespace
 
-TEST_CASE("solid is the surface without the voids", "[voids][solid]") {
+TEST_CASE("solid is the surface without the voids") {
     const auto domain = ballDomain<3>(8);
     const auto voids = anyVoids<3>(60, cube<3>(16), 0.8, 2, 0.5, 3, 61);
     const double shell = GENERATE(0.0, 1.2);
@@ -140,7 +130,7 @@ TEST_CASE("solid is the surface without the voids", "[voids][solid]") {
     CHECK(inside > 5000);
 }
 
-TEST_CASE("a void all around parts a ball from the bone", "[voids][solid]") {
+TEST_CASE("a void all around parts a ball from the bone") {
     const double shell = GENERATE(0.0, 1.5);
     const auto domain = ballDomain<3>(8);
     const auto voids = sphericalGap(5, 0.8);
@@ -170,9 +160,9 @@ TEST_CASE("a void all around parts a ball from the bone", "[voids][solid]") {
             REQUIRE(cut.image.distance[i] == dropped.image.distance[i]);
 }
 
-TEST_CASE("components are those of a search voxel by voxel", "[voids][solid]") {
+TEST_CASE("components are those of a search voxel by voxel") {
     const double shell = GENERATE(0.0, 0.6);
-    const auto seed = GENERATE(71u, 72u, 73u);
+    const auto seed = GENERATE(71u, 72u);
     CAPTURE(shell, seed);
     const auto domain = boxDomain<3>(cube<3>(12));
     // Little is left between so many.
@@ -195,7 +185,7 @@ TEST_CASE("components are those of a search voxel by voxel", "[voids][solid]") {
     CHECK(voxelsOf(left) == held);
 }
 
-TEST_CASE("a component extends across leaves and tiles of any size", "[voids][solid]") {
+TEST_CASE("a component extends across leaves and tiles of any size") {
     // 480 voxels across: tiles of 128 voxels lie deep inside, beside those of eight.
     const auto domain = ballDomain<3>(60, {{3, -7, 11}});
     const double h = 0.25;
@@ -208,24 +198,25 @@ TEST_CASE("a component extends across leaves and tiles of any size", "[voids][so
     CHECK(uncut.attached == 1);
     CHECK(uncut.dropped == 0);
     const auto stamped = stampVoids(voids, *domain, stampOptions(*domain, h, 2));
-    const bool keepConnected = GENERATE(false, true);
-    const auto cut = cutVoids(*surface, *stamped->grid(), 2, keepConnected);
-    CHECK(cut.components == 2);
     const double core = std::pow(41, 3), ring = std::pow(60, 3) - std::pow(49, 3);
-    CHECK(cut.attached == Approx(ring / (ring + core)).margin(0.01));
-    const auto at = [&](const Vec<3>& x) {
-        const auto image = sampleLevelSet(*cut.grid, Box<3>{x, x}.grown(0.3));
-        return image.distance[image.voxels() / 2];
-    };
-    // Interior and gap, by their signs.
-    CHECK((at({{3, -7, 11}}) < 0) == !keepConnected);
-    CHECK((at({{3, -7, 51}}) < 0) == !keepConnected);
-    CHECK(at({{3, -7, 56}}) > 0);
-    CHECK(at({{3, -7, 65}}) < 0);
-    if (keepConnected) CHECK(cut.dropped == Approx(4.0 / 3 * kPi * core).epsilon(0.03));
+    for (const bool keepConnected : {false, true}) {
+        const auto cut = cutVoids(*surface, *stamped->grid(), 2, keepConnected);
+        CHECK(cut.components == 2);
+        CHECK(cut.attached == Approx(ring / (ring + core)).margin(0.01));
+        const auto at = [&](const Vec<3>& x) {
+            const auto image = sampleLevelSet(*cut.grid, Box<3>{x, x}.grown(0.3));
+            return image.distance[image.voxels() / 2];
+        };
+        // Interior and gap, by their signs.
+        CHECK((at({{3, -7, 11}}) < 0) == !keepConnected);
+        CHECK((at({{3, -7, 51}}) < 0) == !keepConnected);
+        CHECK(at({{3, -7, 56}}) > 0);
+        CHECK(at({{3, -7, 65}}) < 0);
+        if (keepConnected) CHECK(cut.dropped == Approx(4.0 / 3 * kPi * core).epsilon(0.03));
+    }
 }
 
-TEST_CASE("surface and voids must lie on one lattice", "[voids][solid]") {
+TEST_CASE("surface and voids must lie on one lattice") {
     const auto domain = ballDomain<3>(5);
     const auto surface = surfaceLevelSet(*domain, 0.25);
     auto options = stampOptions(*domain, 0.25);
@@ -234,7 +225,7 @@ TEST_CASE("surface and voids must lie on one lattice", "[voids][solid]") {
     CHECK_THROWS_AS(cutVoids(*surface, *shifted, 0, false), ParameterError);
 }
 
-TEST_CASE("voids that take all leave no component", "[voids][solid]") {
+TEST_CASE("voids that take all leave no component") {
     const auto domain = ballDomain<3>(5);
     Ellipsoid<3> e;
     e.a = e.b = 7;
@@ -247,8 +238,7 @@ TEST_CASE("voids that take all leave no component", "[voids][solid]") {
     CHECK(solid.dropped == 0);
 }
 
-TEST_CASE("what a periodic cell joins across its faces is one component",
-          "[field][solid][periodic]") {
+TEST_CASE("what a periodic cell joins across its faces is one component") {
     const Box<3> box = cube<3>(8);
     const double h = GENERATE(0.25, 0.27);
     const auto surface = surfaceLevelSet(*boxDomain<3>(box), h);

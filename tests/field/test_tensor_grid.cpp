@@ -1,25 +1,11 @@
 // Fields of directions in .vdb files, written here as others would.
 #include "support/grids.h"
-#include "support/message_of.h"
-#include "support/text_file.h"
+#include "support/test.h"
 #include "voids/turning.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/tensor.h"
 #include "vdbpack/voids/direction_field.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -119,7 +105,7 @@ double worstError(const DirectionField& field) {
 
 }  // namespace
 
-TEST_CASE("a grid of vectors is met between its voxels, wherever they lie", "[voids]") {
+TEST_CASE("a grid of vectors is met between its voxels, wherever they lie") {
     CHECK(worstError(*VdbFile({turningGrid()}).read()) < 0.05);
     const auto doubles = filled<openvdb::Vec3DGrid>("u", [](const Vec<3>& x) {
         const Vec<3> u = expectedAt(x) * 1e-30;
@@ -128,7 +114,7 @@ TEST_CASE("a grid of vectors is met between its voxels, wherever they lie", "[vo
     CHECK(worstError(*VdbFile({doubles}).read()) < 0.05);
 }
 
-TEST_CASE("a grid of vectors flipped at random is the same field", "[voids]") {
+TEST_CASE("a grid of vectors flipped at random is the same field") {
     RandomStream flip(13, 1);
     const auto flipped = filled<openvdb::Vec3SGrid>("direction", [&](const Vec<3>& x) {
         return toVec3s(expectedAt(x) * (flip.uniform() < 0.5 ? -1 : 1));
@@ -136,7 +122,7 @@ TEST_CASE("a grid of vectors flipped at random is the same field", "[voids]") {
     CHECK(worstError(*VdbFile({flipped}).read()) < 0.05);
 }
 
-TEST_CASE("a tensor is read from a pair of vector grids and from six scalar ones", "[voids]") {
+TEST_CASE("a tensor is read from a pair of vector grids and from six scalar ones") {
     const auto part = [](std::size_t first) {
         return [first](const Vec<3>& x) {
             const Tensor t = stressAt(x);
@@ -174,7 +160,7 @@ TEST_CASE("a tensor is read from a pair of vector grids and from six scalar ones
     CHECK_THAT(VdbFile(grids).failure(), Contains("field.vdb"));
 }
 
-TEST_CASE("voxels without a direction leave it to their neighbors", "[voids]") {
+TEST_CASE("voxels without a direction leave it to their neighbors") {
     // A shell of voxels one thick, zero or inactive elsewhere.
     const auto grid = filled<openvdb::Vec3SGrid>(
         "direction", [](const Vec<3>& x) { return toVec3s(expectedAt(x)); });
@@ -204,7 +190,7 @@ TEST_CASE("voxels without a direction leave it to their neighbors", "[voids]") {
     CHECK(bounds.hi[2] == Approx(20 + 8 * kVoxel));
 }
 
-TEST_CASE("a field in another unit and one made of tiles are placed in mm", "[voids]") {
+TEST_CASE("a field in another unit and one made of tiles are placed in mm") {
     const auto grid = newGrid<openvdb::Vec3SGrid>();
     grid->setTransform(openvdb::math::Transform::createLinearTransform(0.001));
     grid->fill(openvdb::CoordBBox(Coord(0), Coord(63)), openvdb::Vec3s(0, -2, 0));
@@ -215,7 +201,7 @@ TEST_CASE("a field in another unit and one made of tiles are placed in mm", "[vo
         CHECK(degreesBetween(field->at({{at, at, at}}), {{0, 1, 0}}) < 1e-9);
 }
 
-TEST_CASE("a .vdb file without one field of directions is refused", "[voids]") {
+TEST_CASE("a .vdb file without one field of directions is refused") {
     const auto density = filled<openvdb::FloatGrid>("density", [](const Vec<3>&) { return 1.f; });
     CHECK_THAT(VdbFile({density}).failure(),
                Contains("field.vdb") && Contains("'density'") && Contains("NAME_diagonal"));

@@ -1,21 +1,11 @@
 // Level sets sampled into voxels.
 #include "support/generators.h"
+#include "support/test.h"
 #include "voids/stamping.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/field/voxel_image.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-using namespace vdbpack;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -26,7 +16,7 @@ std::shared_ptr<const VdbGrid> ballGrid(double voxelSize) {
     FieldOptions options;
     options.voxelSize = voxelSize;
     options.depth = 1;
-    return meshDomain(test::ballMesh(kRadius, 5, kCenter), options)->grid();
+    return meshDomain(ballMesh(kRadius, 5, kCenter), options)->grid();
 }
 
 double distanceAt(const VoxelImage& image, std::size_t voxel) {
@@ -35,7 +25,7 @@ double distanceAt(const VoxelImage& image, std::size_t voxel) {
 
 }  // namespace
 
-TEST_CASE("a level set is sampled where it lies", "[morphometry][domain]") {
+TEST_CASE("a level set is sampled where it lies") {
     const auto grid = ballGrid(0.4);
     const double voxelSize = GENERATE(0.0, 0.3, 0.4);
     CAPTURE(voxelSize);
@@ -60,7 +50,7 @@ TEST_CASE("a level set is sampled where it lies", "[morphometry][domain]") {
     REQUIRE(m.eulerNumber == 1);
 }
 
-TEST_CASE("bounds cut a level set, a margin looks beyond them", "[morphometry][domain]") {
+TEST_CASE("bounds cut a level set, a margin looks beyond them") {
     const auto grid = ballGrid(0.4);
     const Box<3> box{kCenter + Vec<3>{{-2, -2, 0}}, kCenter + Vec<3>{{2, 3, 4}}};
     const auto plain = sampleLevelSet(*grid, box, 0.25);
@@ -90,7 +80,7 @@ TEST_CASE("bounds cut a level set, a margin looks beyond them", "[morphometry][d
             REQUIRE(double{own.distance[i]} == Approx(distanceAt(own, i)).margin(0.03));
 }
 
-TEST_CASE("sampling is the same for any number of threads", "[morphometry][domain]") {
+TEST_CASE("sampling is the same for any number of threads") {
     const auto grid = ballGrid(0.5);
     const auto one = withThreads(1, [&] { return sampleLevelSet(*grid, {}, 0.23); });
     const auto eight = withThreads(8, [&] { return sampleLevelSet(*grid, {}, 0.23); });
@@ -98,7 +88,7 @@ TEST_CASE("sampling is the same for any number of threads", "[morphometry][domai
     REQUIRE(one.distance == eight.distance);
 }
 
-TEST_CASE("images that cannot be made are refused with the reason", "[morphometry][domain]") {
+TEST_CASE("images that cannot be made are refused with the reason") {
     const auto grid = ballGrid(0.5);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     REQUIRE_THROWS_AS(sampleLevelSet(*grid, {}, -1), ParameterError);

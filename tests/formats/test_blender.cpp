@@ -1,29 +1,16 @@
 // A script for Blender and the pack beside it. What Blender makes of them is checked with Blender
 // itself, by tests/clients/check_blender.
 #include "formats/lattice_pack.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/write_blender.h"
 
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <zlib.h>
-
-#include <array>
-#include <filesystem>
-#include <limits>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -45,8 +32,7 @@ std::shared_ptr<const VdbGrid> someLevelSet() {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("a Blender script names its pack, which lies beside it", "[formats]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a Blender script names its pack, which lies beside it") {
     const auto unit = GENERATE(Unit::meter, Unit::millimeter);
     CAPTURE(Dim, unitName(unit));
     auto pack = latticePack<Dim>(2000, {}, 60, 3);
@@ -83,8 +69,7 @@ TEMPLATE_TEST_CASE_SIG("a Blender script names its pack, which lies beside it", 
     CHECK(read.columns.at(0).numbers == pack.columns[0].numbers);
 }
 
-TEST_CASE("a Blender script finds the level sets beside it or in the file of the run",
-          "[formats]") {
+TEST_CASE("a Blender script finds the level sets beside it or in the file of the run") {
     const TemporaryFolder scratch;
     std::filesystem::create_directory(scratch.file("in"));
     const auto pack = latticePack<3>(10, {{0, 0, 0}}, 5, 1);
@@ -111,7 +96,7 @@ TEST_CASE("a Blender script finds the level sets beside it or in the file of the
     REQUIRE(volumeOf(scratch.file("d.py")).empty());
 }
 
-TEST_CASE("a run's .vdb is shared with its Blender script, whichever comes first", "[outputs]") {
+TEST_CASE("a run's .vdb is shared with its Blender script, whichever comes first") {
     const TemporaryFolder scratch;
     const auto pack = latticePack<3>(10, {{0, 0, 0}}, 5, 1);
     RunOutputs<3> have;
@@ -127,7 +112,7 @@ TEST_CASE("a run's .vdb is shared with its Blender script, whichever comes first
     REQUIRE(knownIn(contentOf(script))["volume"] == "p.vdb");
 }
 
-TEST_CASE("what cannot be a Blender script is refused and leaves nothing", "[formats]") {
+TEST_CASE("what cannot be a Blender script is refused and leaves nothing") {
     const TemporaryFolder scratch;
     auto pack = latticePack<3>(10, {{0, 0, 0}}, 5, 1);
     for (const char* const name : {"a.txt", "a", ".py"})
@@ -152,7 +137,7 @@ TEST_CASE("what cannot be a Blender script is refused and leaves nothing", "[for
     REQUIRE_NOTHROW(checkFiles({"blender:" + s, scratch.file("a.vdb")}, "", {}));
 }
 
-TEST_CASE("no sphere at all is written too", "[formats]") {
+TEST_CASE("no sphere at all is written too") {
     const TemporaryFolder scratch;
     const auto files = writeBlender(Pack<3>{}, scratch.file("a.py"), {});
     REQUIRE(readPack(files[1]).spheres.empty());

@@ -1,20 +1,9 @@
 #include "formats/lattice_pack.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/io/numbers.h"
-
-#include <cmath>
-#include <limits>
-#include <sstream>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -38,8 +27,7 @@ std::vector<std::vector<double>> rowsOf(const std::string& content) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("a contact list holds ids, gaps, normals and regions", "[formats]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a contact list holds ids, gaps, normals and regions") {
     Vec<Dim> center;
     for (int d = 0; d < Dim; ++d) center[d] = 700;
     auto pack = latticePack<Dim>(200, center, 20, 31);
@@ -78,8 +66,7 @@ TEMPLATE_TEST_CASE_SIG("a contact list holds ids, gaps, normals and regions", "[
     }
 }
 
-TEST_CASE("a contact list is in the requested unit, with indices if there are no ids",
-          "[formats]") {
+TEST_CASE("a contact list is in the requested unit, with indices if there are no ids") {
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}, {{{0, 0, 4}}, 1}, {{{0, 0, 2.5}}, 1}};
     const auto contacts = listContacts(pack.spheres, 0.6);
@@ -98,7 +85,7 @@ TEST_CASE("a contact list is in the requested unit, with indices if there are no
             std::vector<std::vector<double>>{{0, 1, -2, 0, 0, 0, 0, 0}});
 }
 
-TEST_CASE("contacts of another pack are refused and leave the former file", "[formats]") {
+TEST_CASE("contacts of another pack are refused and leave the former file") {
     Pack<3> pack;
     pack.spheres.resize(3, {{}, 1});
     const TemporaryFolder scratch;

@@ -1,19 +1,8 @@
 // Tables of other programs.
 #include "formats/file_text.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/formats/pack_file.h"
-
-#include <catch2/catch.hpp>
-
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-
-TEST_CASE("CSV columns are found by name in any order and case", "[formats]") {
+TEST_CASE("CSV columns are found by name in any order and case") {
     const auto pack = readText("p.csv",
                                "\xef\xbb\xbf Z, \"Radius\",material,X,y,Region\r\n"
                                "3,+0.5,steel,1,2,1\r\n\r\n"
@@ -28,7 +17,7 @@ TEST_CASE("CSV columns are found by name in any order and case", "[formats]") {
     REQUIRE(pack.columns[0].texts == std::vector<std::string>{"steel", "bone, \"wet\"", "7"});
 }
 
-TEST_CASE("CSV from ParaView, with semicolons, tabs or diameters", "[formats]") {
+TEST_CASE("CSV from ParaView, with semicolons, tabs or diameters") {
     REQUIRE(
         readText("p.csv", "\"radius\",\"Points:0\",\"Points:1\",\"Points:2\"\n2,1,2,3\n").spheres ==
         std::vector<Sphere<3>>{{{{1, 2, 3}}, 2}});
@@ -38,7 +27,7 @@ TEST_CASE("CSV from ParaView, with semicolons, tabs or diameters", "[formats]") 
             std::vector<Sphere<3>>{{{{1, 2, 3}}, 2}});
 }
 
-TEST_CASE("CSV is read with any separator, line end, quotes and comments", "[formats]") {
+TEST_CASE("CSV is read with any separator, line end, quotes and comments") {
     const std::string separator = GENERATE(as<std::string>{}, ",", ";", "\t", " ", ", ", "  ");
     const std::string end = GENERATE(as<std::string>{}, "\n", "\r\n", "\r");
     const bool quoted = GENERATE(false, true);
@@ -66,7 +55,7 @@ TEST_CASE("CSV is read with any separator, line end, quotes and comments", "[for
     REQUIRE(pack.columns[0].numbers == std::vector<double>{7, 8});
 }
 
-TEST_CASE("a CSV column may have no name, as the index that pandas writes", "[formats]") {
+TEST_CASE("a CSV column may have no name, as the index that pandas writes") {
     const std::string separator = GENERATE(as<std::string>{}, ",", "\t", ";");
     CAPTURE(separator);
     const auto read = [&separator](std::string content) {
@@ -84,18 +73,18 @@ TEST_CASE("a CSV column may have no name, as the index that pandas writes", "[fo
     REQUIRE(read("|x|y|z|radius|\n0|1|2|3|4|5\n").spheres.empty());
 }
 
-TEST_CASE("a row that may be a comment is not dropped in silence", "[formats]") {
+TEST_CASE("a row that may be a comment is not dropped in silence") {
     REQUIRE_THAT(errorOf("p.csv", "name,x,y,z,r\na,1,2,3,1\n#b,4,5,6,1\n"), Contains("line 3"));
     REQUIRE(readText("p.csv", "name,x,y,z,r\n# two\na,1,2,3,1\n\"#b\",4,5,6,1\n").spheres.size() ==
             2);
 }
 
-TEST_CASE("a text that looks like a number stays as it was written", "[formats]") {
+TEST_CASE("a text that looks like a number stays as it was written") {
     const auto pack = readText("p.csv", "x,y,z,r,name\n1,2,3,1,007\n1,2,9,1,1e3\n5,5,5,1,x\n");
     REQUIRE(pack.columns[0].texts == std::vector<std::string>{"007", "1e3", "x"});
 }
 
-TEST_CASE("unusable CSV is refused with line and column", "[formats]") {
+TEST_CASE("unusable CSV is refused with line and column") {
     REQUIRE_THAT(errorOf("p.csv", ""), Contains("p.csv"));
     REQUIRE_THAT(errorOf("p.csv", "1,2,3,4\n5,6,7,8\n"), Contains("yade:FILE"));
     REQUIRE_THAT(errorOf("p.csv", "# made in 2019\n1,2,3,4\n"), Contains("line 2"));

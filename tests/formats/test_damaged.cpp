@@ -2,21 +2,11 @@
 // a crash, and in no time.
 #include "formats/lattice_pack.h"
 #include "support/flipped_bits.h"
-#include "support/message_of.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 
-#include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <string>
-#include <utility>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -67,7 +57,7 @@ struct WrittenPack {
 
 }  // namespace
 
-TEST_CASE("a file cut short at any byte is an error or a shorter pack", "[formats]") {
+TEST_CASE("a file cut short at any byte is an error or a shorter pack") {
     const WrittenPack file(GENERATE(from_range(std::begin(kFormats), std::end(kFormats))));
     CAPTURE(file.format);
     REQUIRE(file.isReadable());
@@ -85,7 +75,7 @@ TEST_CASE("a file cut short at any byte is an error or a shorter pack", "[format
     if (file.format == "vdb") REQUIRE(readable < 260);
 }
 
-TEST_CASE("a file with flipped bits is an error or another pack", "[formats]") {
+TEST_CASE("a file with flipped bits is an error or another pack") {
     const WrittenPack file(GENERATE(as<std::string>{}, "vdb", "vtp", "csv", "ply", "yade", "xyz",
                                     "npz", "lammps", "dump"));
     CAPTURE(file.format);
@@ -99,7 +89,7 @@ TEST_CASE("a file with flipped bits is an error or another pack", "[formats]") {
     }
 }
 
-TEST_CASE("one format under the name of another is refused", "[formats]") {
+TEST_CASE("one format under the name of another is refused") {
     const TemporaryFolder scratch;
     const std::string path = scratch.file("p.dat");
     for (const std::string written : kFormats) {
@@ -112,7 +102,7 @@ TEST_CASE("one format under the name of another is refused", "[formats]") {
     }
 }
 
-TEST_CASE("a folder or a missing file is an IoError in every format", "[formats]") {
+TEST_CASE("a folder or a missing file is an IoError in every format") {
     const TemporaryFolder scratch;
     for (const std::string format :
          {"vdb", "vtp", "csv", "ply", "yade", "xyz", "npz", "lammps", "dump"}) {
@@ -122,7 +112,7 @@ TEST_CASE("a folder or a missing file is an IoError in every format", "[formats]
     }
 }
 
-TEST_CASE("an empty file is an error, except a list that may be empty", "[formats]") {
+TEST_CASE("an empty file is an error, except a list that may be empty") {
     const TemporaryFolder scratch;
     const std::string path = scratch.file("p.dat");
     for (const std::string content : {"", "\n", "\n\n \n", "\xef\xbb\xbf"}) {
@@ -191,8 +181,7 @@ const Open kCoordinates[] = {
 /// Each of these numbers in the open place makes the file an InputError.
 void requireRefused(const Open& open, const std::vector<std::string>& numbers) {
     const TemporaryFolder scratch;
-    const std::string path = scratch.file("p.dat");
-    const std::string file = prefixed(open.format, path);
+    const std::string path = scratch.file("p.dat"), file = prefixed(open.format, path);
     for (const std::string& number : numbers) {
         CAPTURE(open.format, number);
         putContent(path, open.with(number));
@@ -202,14 +191,14 @@ void requireRefused(const Open& open, const std::vector<std::string>& numbers) {
 
 }  // namespace
 
-TEST_CASE("counts that no file of its size can hold are refused", "[formats]") {
+TEST_CASE("counts that no file of its size can hold are refused") {
     for (const Open& open : kCounts)
         requireRefused(open,
                        {"10000000000", "-1", "-9223372036854775808", "9223372036854775807",
                         "9223372036854775808", "18446744073709551615", "1e18", "1e999", "nan", ""});
 }
 
-TEST_CASE("coordinates that are not finite are refused with their place", "[formats]") {
+TEST_CASE("coordinates that are not finite are refused with their place") {
     for (const Open& open : kCoordinates) {
         const TemporaryFolder scratch;
         const std::string path = scratch.file("p.dat");
@@ -219,7 +208,7 @@ TEST_CASE("coordinates that are not finite are refused with their place", "[form
     }
 }
 
-TEST_CASE("tags of a .vtp may nest without end", "[formats]") {
+TEST_CASE("tags of a .vtp may nest without end") {
     const TemporaryFolder scratch;
     const std::string path = scratch.file("p.vtp");
     std::string content = "<VTKFile type=\"PolyData\">";
@@ -228,16 +217,16 @@ TEST_CASE("tags of a .vtp may nest without end", "[formats]") {
     REQUIRE_THROWS_AS(readPack(path), InputError);
 }
 
-TEST_CASE("a .vtp of nothing but tags is refused before they take memory", "[formats]") {
+TEST_CASE("a .vtp of nothing but tags is refused before they take memory") {
     const TemporaryFolder scratch;
     const std::string path = scratch.file("p.vtp");
     std::string content = "<VTKFile type=\"PolyData\"><PolyData>";
     for (int i = 0; i < 1100000; ++i) content += "<a/>";
     putContent(path, content + "</PolyData></VTKFile>");
-    REQUIRE_THAT(messageOf<InputError>([&] { readPack(path); }), Catch::Matchers::Contains("tags"));
+    REQUIRE_THAT(messageOf<InputError>([&] { readPack(path); }), Contains("tags"));
 }
 
-TEST_CASE("members of an .npz that share their bytes are refused", "[formats]") {
+TEST_CASE("members of an .npz that share their bytes are refused") {
     const TemporaryFolder scratch;
     const std::string path = scratch.file("p.npz");
     writePack(smallPack(), path, {});
@@ -260,10 +249,10 @@ TEST_CASE("members of an .npz that share their bytes are refused", "[formats]") 
     for (const std::size_t at : {24, 32, 40}) change(at, kTimes, 0);
     change(56 + 8, 1, added);
     putContent(path, content);
-    REQUIRE_THAT(messageOf<InputError>([&] { readPack(path); }), Catch::Matchers::Contains(path));
+    REQUIRE_THAT(messageOf<InputError>([&] { readPack(path); }), Contains(path));
 }
 
-TEST_CASE("arrays of a .vtp that share their bytes are refused", "[formats]") {
+TEST_CASE("arrays of a .vtp that share their bytes are refused") {
     const TemporaryFolder scratch;
     const std::string path = scratch.file("p.vtp");
     constexpr std::size_t kPoints = 100, kArrays = 50;
@@ -292,10 +281,10 @@ TEST_CASE("arrays of a .vtp that share their bytes are refused", "[formats]") {
     putContent(path, file(1));
     REQUIRE(readPack(path).spheres.size() == kPoints);
     putContent(path, file(kArrays));
-    REQUIRE_THAT(messageOf<InputError>([&] { readPack(path); }), Catch::Matchers::Contains(path));
+    REQUIRE_THAT(messageOf<InputError>([&] { readPack(path); }), Contains(path));
 }
 
-TEST_CASE("an .xyz that announces more columns than follow is refused", "[formats]") {
+TEST_CASE("an .xyz that announces more columns than follow is refused") {
     const TemporaryFolder scratch;
     const std::string path = scratch.file("p.xyz");
     std::string content = "1\nProperties=pos:R:3:radius:R:1";

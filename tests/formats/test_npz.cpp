@@ -1,16 +1,7 @@
 // numpy's .npz: what we write, what numpy writes, and what is broken.
 #include "formats/file_text.h"
 #include "formats/lattice_pack.h"
-
-#include <catch2/catch.hpp>
-
-#include <cstdint>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
+#include "support/test.h"
 
 namespace {
 
@@ -24,8 +15,7 @@ std::string written(const Pack<3>& pack, const PackWriteOptions& options = {}) {
 
 }  // namespace
 
-TEST_CASE("an .npz file records its unit, and its arrays begin where numpy maps them",
-          "[formats]") {
+TEST_CASE("an .npz file records its unit, and its arrays begin where numpy maps them") {
     Pack<3> pack;
     pack.spheres = {{{{1, 2, 3}}, 0.5}};
     PackWriteOptions options;
@@ -37,7 +27,7 @@ TEST_CASE("an .npz file records its unit, and its arrays begin where numpy maps 
     REQUIRE(bytes == written(pack, options));
 }
 
-TEST_CASE("arrays that are missing are named with those that are there", "[formats]") {
+TEST_CASE("arrays that are missing are named with those that are there") {
     auto bytes = written(packOfAll(2));
     for (std::size_t at = bytes.find("radii"); at != std::string::npos; at = bytes.find("radii"))
         bytes.replace(at, 5, "ridii");
@@ -45,7 +35,7 @@ TEST_CASE("arrays that are missing are named with those that are there", "[forma
     REQUIRE_THAT(errorOf("p.npz", "not a zip"), Contains("p.npz"));
 }
 
-TEST_CASE("an archive that announces more than it holds is refused", "[formats]") {
+TEST_CASE("an archive that announces more than it holds is refused") {
     const auto whole = written(packOfAll(4));
     const auto changed = [&whole](const char* record, std::size_t at, std::uint64_t value,
                                   std::size_t bytes) {

@@ -1,17 +1,8 @@
 // Periodic cells in files.
 #include "formats/file_text.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/pack_text.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -25,7 +16,7 @@ Pack<3> packIn(const std::string& axes) {
 
 }  // namespace
 
-TEST_CASE("files keep the periodic cell of a pack", "[formats][periodic]") {
+TEST_CASE("files keep the periodic cell of a pack") {
     const auto axes = GENERATE(as<std::string>{}, "xyz", "xy", "z", "");
     const auto file =
         GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.xyz", "p.data", "yade:p.txt");
@@ -44,7 +35,7 @@ TEST_CASE("files keep the periodic cell of a pack", "[formats][periodic]") {
     }
 }
 
-TEST_CASE("LAMMPS, YADE and ASE find the cell where they look for it", "[formats][periodic]") {
+TEST_CASE("LAMMPS, YADE and ASE find the cell where they look for it") {
     const std::string data = writtenText(packIn("xy"), "p.data");
     CHECK_THAT(data, Contains("boundary p p f"));
     CHECK_THAT(data, Contains("\n-5.0 5.0 xlo xhi\n-4.25 4.25 ylo yhi\n-5.0 4.5 zlo zhi\n"));
@@ -56,7 +47,7 @@ TEST_CASE("LAMMPS, YADE and ASE find the cell where they look for it", "[formats
     CHECK_THAT(writtenText(packIn("xy"), "yade:p.txt"), !Contains("##PERIODIC::"));
 }
 
-TEST_CASE("texts of cells are checked", "[formats][periodic]") {
+TEST_CASE("texts of cells are checked") {
     for (const char* text :
          {"xw 0 0 0 1 1 1", "x 0 0 0 0 1 1", "x 0 0 0 1 1", "x 0 0 0 inf 1 1", ""})
         CHECK_THAT(messageOf<InputError>([&] { cellIn(text, Unit::millimeter, "f"); }),

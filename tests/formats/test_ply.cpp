@@ -1,20 +1,8 @@
 // PLY files of other programs.
 #include "formats/file_text.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/formats/pack_file.h"
-
-#include <catch2/catch.hpp>
-
-#include <cstdint>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-
-TEST_CASE("PLY is read as text and in both byte orders, whatever else it holds", "[formats]") {
+TEST_CASE("PLY is read as text and in both byte orders, whatever else it holds") {
     const std::string before =
         "comment unit of length: cm\nelement camera 2\nproperty list uchar int v\n"
         "property double w\nelement vertex 2\nproperty uchar red\n"
@@ -46,7 +34,7 @@ TEST_CASE("PLY is read as text and in both byte orders, whatever else it holds",
     REQUIRE(pack.columns[0].numbers == std::vector<double>{255, 0});
 }
 
-TEST_CASE("unusable PLY is refused with line or byte", "[formats]") {
+TEST_CASE("unusable PLY is refused with line or byte") {
     const std::string properties =
         "property float x\nproperty float y\nproperty float z\nproperty float radius\nend_header\n";
     REQUIRE_THAT(errorOf("p.ply", "off\n"), Contains("PLY"));

@@ -1,21 +1,8 @@
 #include "formats/file_text.h"
 #include "formats/lattice_pack.h"
-
-#include "vdbpack/core/error.h"
-#include "vdbpack/formats/pack_file.h"
+#include "support/test.h"
 
 #include <pugixml.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <sstream>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -58,7 +45,7 @@ Pack<2> circles(const Vec<2>& center, std::size_t count = 500) {
 
 }  // namespace
 
-TEST_CASE("a picture holds every circle where it is, y up, colored by region", "[formats]") {
+TEST_CASE("a picture holds every circle where it is, y up, colored by region") {
     const double away = GENERATE(0.0, 730.0, -1e4);
     const auto unit = GENERATE(Unit::meter, Unit::centimeter, Unit::millimeter, Unit::micrometer);
     CAPTURE(away, unitName(unit));
@@ -75,8 +62,7 @@ TEST_CASE("a picture holds every circle where it is, y up, colored by region", "
     for (const int region : {1, 0})
         for (std::size_t i = 0; i < pack.spheres.size(); ++i)
             if (pack.region[i] == region) order.push_back(i);
-    const double scale = millimetersPer(unit);
-    const double step = 1e-5 * view.width * scale;
+    const double scale = millimetersPer(unit), step = 1e-5 * view.width * scale;
     for (std::size_t k = 0; k < drawn.size(); ++k) {
         const auto& s = pack.spheres[order[k]];
         CAPTURE(k);
@@ -99,7 +85,7 @@ TEST_CASE("a picture holds every circle where it is, y up, colored by region", "
             Approx(view.width / view.height).epsilon(0.002));
 }
 
-TEST_CASE("the frame of a picture is drawn and lies inside it", "[formats]") {
+TEST_CASE("the frame of a picture is drawn and lies inside it") {
     PackWriteOptions options;
     options.unit = Unit::centimeter;
     options.frame = Box<2>{{{-100, -40}}, {{200, 20}}};
@@ -128,7 +114,7 @@ TEST_CASE("the frame of a picture is drawn and lies inside it", "[formats]") {
     }
 }
 
-TEST_CASE("a picture stays well-formed whatever the generator is called", "[formats]") {
+TEST_CASE("a picture stays well-formed whatever the generator is called") {
     PackWriteOptions options;
     options.generator = "a <test> & \"more\" ]]> --\n\t'x'";
     const auto text = writtenText(circles({}, 3), "p.svg", options);
@@ -138,18 +124,11 @@ TEST_CASE("a picture stays well-formed whatever the generator is called", "[form
                  Contains("generator: a <test> & \"more\" ]]> --  'x'"));
 }
 
-TEST_CASE("a picture of nothing, of one circle and without regions opens", "[formats]") {
+TEST_CASE("a picture of nothing, of one circle and without regions opens") {
     Pack<2> pack;
-    SECTION("nothing") {}
-    SECTION("one circle") {
-        pack.spheres = {{{{3, 4}}, 2}};
-    }
-    SECTION("small") {
-        pack.spheres = {{{{3e-9, 4e-9}}, 2e-9}};
-    }
-    SECTION("far out") {
-        pack.spheres = {{{{-1e29, 1e20}}, 1e-29}};
-    }
+    if (GENERATE(false, true))  // usual, small or far out
+        pack.spheres = {GENERATE(Sphere<2>{{{3, 4}}, 2}, Sphere<2>{{{3e-9, 4e-9}}, 2e-9},
+                                 Sphere<2>{{{-1e29, 1e20}}, 1e-29})};
     const Picture picture(writtenText(pack, "p.svg"));
     const auto drawn = picture.named("circle");
     REQUIRE(drawn.size() == pack.spheres.size());
@@ -159,12 +138,12 @@ TEST_CASE("a picture of nothing, of one circle and without regions opens", "[for
     for (const auto& circle : drawn) view.requireHolds(circle);
 }
 
-TEST_CASE("a picture of 40,000 circles takes about 2 MB", "[formats]") {
+TEST_CASE("a picture of 40,000 circles takes about 2 MB") {
     const auto pack = latticePack<2>(40'000, {{300, 300}}, 600, 2);
     REQUIRE(writtenText(pack, "p.svg").size() < 2'200'000);
 }
 
-TEST_CASE("a picture is of circles, and is not read", "[formats]") {
+TEST_CASE("a picture is of circles, and is not read") {
     const TemporaryFolder scratch;
     REQUIRE_THROWS_AS(writePack(Pack<3>{}, scratch.file("p.svg"), {}), ParameterError);
     REQUIRE_THROWS_WITH(writePack(Pack<3>{}, scratch.file("p.svg"), {}),

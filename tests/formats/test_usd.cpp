@@ -1,21 +1,11 @@
 // USD: what is written; it is not read back.
 #include "formats/file_text.h"
 #include "formats/lattice_pack.h"
+#include "support/test.h"
 
 #include "vdbpack/mesh/triangle_mesh.h"
 
-#include <catch2/catch.hpp>
-
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <cstring>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -36,7 +26,7 @@ std::vector<double> numbersOf(const std::string& text, const std::string& name) 
 
 }  // namespace
 
-TEST_CASE("a .usda file begins as its schemas ask", "[formats][usd]") {
+TEST_CASE("a .usda file begins as its schemas ask") {
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}, {{{2, 0, 0.5}}, 1.25}};
     pack.region = {0, 1};
@@ -80,8 +70,7 @@ def Xform "pack" (
 )");
 }
 
-TEST_CASE("every column of a .usda has one value a sphere, under a name that USD accepts",
-          "[formats][usd]") {
+TEST_CASE("every column of a .usda has one value a sphere, under a name that USD accepts") {
     auto pack = packWithColumns(GENERATE(0u, 1u, 500u), "a b", "größe", {"", "say \"\\\"\n\xff"});
     const std::size_t n = pack.spheres.size();
     for (const char* name : {"a_b", "7", "displayColor"})
@@ -100,7 +89,7 @@ TEST_CASE("every column of a .usda has one value a sphere, under a name that USD
     if (n > 1) REQUIRE_THAT(text, Contains("\"say \\\"\\\\\\\"\\x0a\\xff\""));
 }
 
-TEST_CASE("points of a .usda are floats about an origin near them", "[formats][usd]") {
+TEST_CASE("points of a .usda are floats about an origin near them") {
     Pack<3> pack = latticePack<3>(200, {{730, -650, 4}}, 30, 8);
     const auto text = writtenText(pack, "p.usda");
     REQUIRE_THAT(text, Contains("uniform token[] xformOpOrder = [\"xformOp:translate\"]"));
@@ -126,7 +115,7 @@ TEST_CASE("points of a .usda are floats about an origin near them", "[formats][u
     }
 }
 
-TEST_CASE("a .usda file records its unit, its generator and the periodic cell", "[formats][usd]") {
+TEST_CASE("a .usda file records its unit, its generator and the periodic cell") {
     Pack<3> pack;
     pack.spheres = {{{{1, 2, 3}}, 0.5}};
     pack.cell.wraps = {true, false, true};
@@ -141,7 +130,7 @@ TEST_CASE("a .usda file records its unit, its generator and the periodic cell", 
     REQUIRE_THAT(text, Contains("string periodic_cell = \"xz 0.0 0.0 0.0 "));
 }
 
-TEST_CASE("circles of a slice become points at its height", "[formats][usd]") {
+TEST_CASE("circles of a slice become points at its height") {
     Pack<2> pack = latticePack<2>(20, {{0, 0}}, 10, 3);
     pack.sliceHeight = 12.5;
     const auto points = numbersOf(writtenText(pack, "p.usda"), "point3f[] points");
@@ -151,7 +140,7 @@ TEST_CASE("circles of a slice become points at its height", "[formats][usd]") {
     }
 }
 
-TEST_CASE("a surface stands beside the points, in the same place", "[formats][usd]") {
+TEST_CASE("a surface stands beside the points, in the same place") {
     Pack<3> pack;
     pack.spheres = {{{{101, 0.2, 0.2}}, 0.1}, {{{101.5, -0.2, 0.2}}, 0.1}};
     TriangleMesh mesh;
@@ -175,10 +164,9 @@ TEST_CASE("a surface stands beside the points, in the same place", "[formats][us
     REQUIRE(vertices[1] == 0);
 }
 
-TEST_CASE("a .usdz begins its file at a multiple of 64 bytes, uncompressed", "[formats][usd]") {
+TEST_CASE("a .usdz begins its file at a multiple of 64 bytes, uncompressed") {
     const auto pack = packWithColumns(7, "n", "t", {"a", "b"});
-    const auto bytes = writtenText(pack, "p.usdz");
-    const auto text = writtenText(pack, "p.usda");
+    const auto bytes = writtenText(pack, "p.usdz"), text = writtenText(pack, "p.usda");
     REQUIRE(bytes.find(text) % 64 == 0);
     REQUIRE(bytes.substr(0, 4) == "PK\3\4");
     const auto read16 = [&](std::size_t at) {
@@ -192,7 +180,7 @@ TEST_CASE("a .usdz begins its file at a multiple of 64 bytes, uncompressed", "[f
     REQUIRE(size == text.size());
 }
 
-TEST_CASE("reading USD is refused with what to do instead", "[formats][usd]") {
+TEST_CASE("reading USD is refused with what to do instead") {
     const std::string file = GENERATE("p.usda", "p.usd", "p.usdz");
     REQUIRE_THROWS_AS(readPack(file), ParameterError);
     REQUIRE_THROWS_WITH(readPack(file), Contains(file) && Contains("not read") &&

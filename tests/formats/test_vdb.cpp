@@ -2,24 +2,12 @@
 #include "formats/file_text.h"
 #include "formats/lattice_pack.h"
 #include "support/grids.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
-
-#include "vdbpack/core/error.h"
-#include "vdbpack/formats/pack_file.h"
+#include "support/test.h"
 
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/points/PointCount.h>
 #include <openvdb/points/PointDataGrid.h>
 
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 namespace points = openvdb::points;
 
 namespace {
@@ -46,7 +34,7 @@ std::shared_ptr<const VdbGrid> ballSurface() {
 
 }  // namespace
 
-TEST_CASE("the point grid is what viewers expect", "[formats]") {
+TEST_CASE("the point grid is what viewers expect") {
     const TemporaryFolder scratch;
     const auto pack = latticePack<3>(5000, {{200, 0, -50}}, 40, 31);
     PackWriteOptions options;
@@ -90,7 +78,7 @@ TEST_CASE("the point grid is what viewers expect", "[formats]") {
     }
 }
 
-TEST_CASE("every sphere lies in the voxel that OpenVDB looks for it in", "[formats]") {
+TEST_CASE("every sphere lies in the voxel that OpenVDB looks for it in") {
     const TemporaryFolder scratch;
     const auto pack = latticePack<3>(2000, {{-730, 10, 4}}, 30, 32);
     writePack(pack, scratch.file("p.vdb"), {});
@@ -110,7 +98,7 @@ TEST_CASE("every sphere lies in the voxel that OpenVDB looks for it in", "[forma
     }
 }
 
-TEST_CASE("points on faces, edges and corners of voxels come back exactly", "[formats]") {
+TEST_CASE("points on faces, edges and corners of voxels come back exactly") {
     const double away = GENERATE(0.0, 4096.0, -8192.0, 1e4);
     Pack<3> pack;
     // Voxels of 4 mm have their faces at odd multiples of 2.
@@ -128,7 +116,7 @@ TEST_CASE("points on faces, edges and corners of voxels come back exactly", "[fo
     REQUIRE(readPack(scratch.file("p.vdb")).spheres == pack.spheres);
 }
 
-TEST_CASE("doubles on no lattice come back within 2^-26 of a voxel", "[formats]") {
+TEST_CASE("doubles on no lattice come back within 2^-26 of a voxel") {
     RandomStream random(33, 0);
     Pack<3> pack;
     for (int i = 0; i < 5000; ++i)
@@ -145,13 +133,13 @@ TEST_CASE("doubles on no lattice come back within 2^-26 of a voxel", "[formats]"
                     voxel * 0x1p-26 * 1.0001 + 1e-12);
 }
 
-TEST_CASE("a sparse pack does not lose its lattice to large voxels", "[formats]") {
+TEST_CASE("a sparse pack does not lose its lattice to large voxels") {
     // As after culling: few of the spheres are left, on the lattice of the full pack.
     const auto pack = latticePack<3>(300, {{500, 500, 500}}, 300, 34);
     REQUIRE(readBack(pack, "p.vdb").spheres == pack.spheres);
 }
 
-TEST_CASE("the surface is written as a level set beside the points", "[formats]") {
+TEST_CASE("the surface is written as a level set beside the points") {
     const auto unit = GENERATE(Unit::millimeter, Unit::meter);
     const double scale = unit == Unit::meter ? 1e-3 : 1;
     CAPTURE(unitName(unit));
@@ -186,7 +174,7 @@ TEST_CASE("the surface is written as a level set beside the points", "[formats]"
     REQUIRE(readPack(scratch.file("p.vdb")).spheres.size() == 100);
 }
 
-TEST_CASE("point grids of other programs are read", "[formats]") {
+TEST_CASE("point grids of other programs are read") {
     openvdb::initialize();
     const TemporaryFolder scratch;
     const std::vector<openvdb::Vec3d> positions = {{1, 2, 3}, {-40, 5.5, 6}, {7, -8, 90}};
@@ -232,7 +220,7 @@ TEST_CASE("point grids of other programs are read", "[formats]") {
     }
 }
 
-TEST_CASE("column names that OpenVDB refuses are adapted", "[formats]") {
+TEST_CASE("column names that OpenVDB refuses are adapted") {
     auto pack = latticePack<3>(20, {}, 9, 36);
     pack.columns.push_back({"Young's modulus", std::vector<double>(20, 1.5), {}});
     pack.columns.push_back({"Young_s modulus", std::vector<double>(20, 2.5), {}});
@@ -244,7 +232,7 @@ TEST_CASE("column names that OpenVDB refuses are adapted", "[formats]") {
     REQUIRE(read.columns[2].numbers[0] == 0.1);
 }
 
-TEST_CASE("a million spheres are written and read in seconds", "[formats][.slow]") {
+TEST_CASE("a million spheres are written and read in seconds", "[.slow]") {
     const auto pack = latticePack<3>(1'000'000, {{100, 200, 300}}, 300, 37);
     for (const char* name : {"p.vdb", "p.csv", "p.vtp", "p.ply"}) {
         CAPTURE(name);

@@ -1,22 +1,13 @@
 // VTKHDF files, and packs in pieces.
 #include "formats/file_text.h"
 #include "formats/lattice_pack.h"
-#include "support/message_of.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 #include "support/thread_ranks.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/formats/pack_view.h"
 
-#include <algorithm>
 #include <numeric>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -50,7 +41,7 @@ Pack<3> shareOf(const Pack<3>& pack, int rank, int count) {
 
 }  // namespace
 
-TEST_CASE("a .vtkhdf gives back every number bit for bit", "[formats]") {
+TEST_CASE("a .vtkhdf gives back every number bit for bit") {
     auto pack = packWithColumns(70000, "stiffness", "clump", {"a", "b"});
     const std::string file = GENERATE(as<std::string>{}, "p.vtkhdf", "p.hdf");
     const Pack<3> read = readBack(pack, file);
@@ -67,12 +58,12 @@ TEST_CASE("a .vtkhdf gives back every number bit for bit", "[formats]") {
                   fromMillimeters(pack.spheres[i].center[d], options.unit));
 }
 
-TEST_CASE("an empty pack passes through the files of pieces", "[formats]") {
+TEST_CASE("an empty pack passes through the files of pieces") {
     const auto file = GENERATE(as<std::string>{}, "p.vtkhdf", "p.pvtp");
     CHECK(readBack(Pack<3>{}, file).spheres.empty());
 }
 
-TEST_CASE("files that are no VTKHDF of points are refused with the cause", "[formats]") {
+TEST_CASE("files that are no VTKHDF of points are refused with the cause") {
     const TemporaryFolder scratch;
     const std::string file = scratch.file("p.vtkhdf");
     putContent(file, "no HDF5");
@@ -90,7 +81,7 @@ TEST_CASE("files that are no VTKHDF of points are refused with the cause", "[for
     }
 }
 
-TEST_CASE("a missing piece of a .pvtp is named", "[formats]") {
+TEST_CASE("a missing piece of a .pvtp is named") {
     const TemporaryFolder scratch;
     writePack(latticePack<3>(20, {{0, 0, 0}}, 20, 1), scratch.file("p.pvtp"));
     std::remove(scratch.file("p_0000.vtp").c_str());
@@ -98,7 +89,7 @@ TEST_CASE("a missing piece of a .pvtp is named", "[formats]") {
                Contains("p_0000.vtp"));
 }
 
-TEST_CASE("ranks write one pack, whatever their shares", "[formats][ranks]") {
+TEST_CASE("ranks write one pack, whatever their shares") {
     const TemporaryFolder scratch;
     const auto file = GENERATE(as<std::string>{}, "p.vtkhdf", "p.pvtp");
     auto pack = latticePack<3>(5000, {{9, 0, 0}}, 30, 3);

@@ -1,19 +1,7 @@
 // .vtp of ParaView and others, in every encoding.
 #include "formats/file_text.h"
+#include "support/test.h"
 #include "support/vtk_encoding.h"
-
-#include "vdbpack/core/error.h"
-#include "vdbpack/formats/pack_file.h"
-
-#include <catch2/catch.hpp>
-
-#include <cstdint>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -106,7 +94,7 @@ void requireFourSpheres(const Pack<3>& pack) {
 }
 }  // namespace
 
-TEST_CASE("VTP is read in every encoding that ParaView writes", "[formats]") {
+TEST_CASE("VTP is read in every encoding that ParaView writes") {
     Variant v;
     v.format = GENERATE(as<std::string>{}, "ascii", "binary", "raw", "base64");
     v.zlib = GENERATE(false, true);
@@ -123,7 +111,7 @@ TEST_CASE("VTP is read in every encoding that ParaView writes", "[formats]") {
     REQUIRE(pack.columns[3].numbers == std::vector<double>{1, 0, 0, -1});
 }
 
-TEST_CASE("an ASCII array needs no compressor, whatever the header names", "[formats]") {
+TEST_CASE("an ASCII array needs no compressor, whatever the header names") {
     Variant v;
     v.format = "ascii";
     v.zlib = true;
@@ -132,7 +120,7 @@ TEST_CASE("an ASCII array needs no compressor, whatever the header names", "[for
     requireFourSpheres(readText("p.vtp", text));
 }
 
-TEST_CASE("damaged VTP is refused with the reason", "[formats]") {
+TEST_CASE("damaged VTP is refused with the reason") {
     Variant v;
     v.format = "raw";
     v.zlib = GENERATE(false, true);
@@ -161,7 +149,7 @@ TEST_CASE("damaged VTP is refused with the reason", "[formats]") {
     }
 }
 
-TEST_CASE("a .vtp may use whatever XML allows", "[formats]") {
+TEST_CASE("a .vtp may use whatever XML allows") {
     const auto file = [](const std::string& before, const std::string& name) {
         return before +
                "<!DOCTYPE VTKFile [<!ELEMENT a (b)>]><?paraview x?>\n<VTKFile type='PolyData'\n"
@@ -186,14 +174,14 @@ TEST_CASE("a .vtp may use whatever XML allows", "[formats]") {
     REQUIRE(readText("p.vtp", "\xef\xbb\xbf" + plain).spheres == sphere);
 }
 
-TEST_CASE("a .vtp that is not well-formed is refused with its byte", "[formats]") {
+TEST_CASE("a .vtp that is not well-formed is refused with its byte") {
     REQUIRE_THAT(errorOf("p.vtp", "<VTKFile type=\"PolyData\"><PolyData></VTKFile>"),
                  Contains("byte "));
     REQUIRE_THAT(errorOf("p.vtp", "<VTKFile type=PolyData></VTKFile>"), Contains("byte "));
     REQUIRE_THAT(errorOf("p.vtp", "no XML"), Contains("p.vtp"));
 }
 
-TEST_CASE("a .vtp without its last tags is refused as cut short", "[formats]") {
+TEST_CASE("a .vtp without its last tags is refused as cut short") {
     Variant v;
     v.format = GENERATE(as<std::string>{}, "raw", "base64");
     const auto whole = VtpText(v).pack();
@@ -207,7 +195,7 @@ TEST_CASE("a .vtp without its last tags is refused as cut short", "[formats]") {
     REQUIRE_THAT(errorOf("p.vtp", whole + "more"), Contains("cut short"));
 }
 
-TEST_CASE("messages name an array without a name by the tag around it", "[formats]") {
+TEST_CASE("messages name an array without a name by the tag around it") {
     const std::string message = errorOf(
         "p.vtp",
         "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"2\"><PointData><DataArray "

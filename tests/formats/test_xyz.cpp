@@ -1,15 +1,7 @@
 // Extended XYZ: what we write, and what other programs do.
 #include "formats/file_text.h"
 #include "formats/lattice_pack.h"
-
-#include <catch2/catch.hpp>
-
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
+#include "support/test.h"
 
 namespace {
 
@@ -19,7 +11,7 @@ const char* const kTwo =
 
 }  // namespace
 
-TEST_CASE("an .xyz file begins as ASE and OVITO expect", "[formats]") {
+TEST_CASE("an .xyz file begins as ASE and OVITO expect") {
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}, {{{2, 0, 0}}, 1}};
     pack.region = {0, 1};
@@ -29,7 +21,7 @@ TEST_CASE("an .xyz file begins as ASE and OVITO expect", "[formats]") {
             "unit_of_length=mm\nX 0.0 0.0 0.0 1.0 0 0\nX 2.0 0.0 0.0 1.0 1 1\n");
 }
 
-TEST_CASE("an .xyz file gives back the same pack", "[formats]") {
+TEST_CASE("an .xyz file gives back the same pack") {
     auto pack = packWithColumns(500, "Young's modulus", "species", {"P", "Ca"});
     pack.columns.push_back(textColumn("id", {"", "one two"}, pack.spheres.size()));
     const auto read = readText("p.xyz", writtenText(pack, "p.xyz"));
@@ -45,7 +37,7 @@ TEST_CASE("an .xyz file gives back the same pack", "[formats]") {
     REQUIRE(read.columns[2].texts[0] == "_");
 }
 
-TEST_CASE("the unit of an .xyz file is recorded and counts", "[formats]") {
+TEST_CASE("the unit of an .xyz file is recorded and counts") {
     Pack<3> pack;
     pack.spheres = {{{{1, 2, 3}}, 0.5}};
     PackWriteOptions options;
@@ -58,7 +50,7 @@ TEST_CASE("the unit of an .xyz file is recorded and counts", "[formats]") {
         Contains("inch") && Contains("line 2"));
 }
 
-TEST_CASE("an .xyz file of another program is read, of several frames the last", "[formats]") {
+TEST_CASE("an .xyz file of another program is read, of several frames the last") {
     const auto one = readText("p.xyz", kTwo);
     REQUIRE(one.spheres == std::vector<Sphere<3>>{{{{1, 2, 3}}, 0.5}, {{{4, 5, -6}}, 1}});
     REQUIRE(one.columns.size() == 2);
@@ -72,7 +64,7 @@ TEST_CASE("an .xyz file of another program is read, of several frames the last",
     REQUIRE(readText("p.xyz", "0\nproperties=\"pos:R:3:radius:R:1\"\n").spheres.empty());
 }
 
-TEST_CASE("a broken .xyz file is refused with line and remedy", "[formats]") {
+TEST_CASE("a broken .xyz file is refused with line and remedy") {
     const auto [content, word] = GENERATE(table<std::string, std::string>({
         {"", "empty"},
         {"two\n", "number of particles"},

@@ -1,20 +1,8 @@
 // YADE's text formats.
 #include "formats/file_text.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/formats/pack_file.h"
-
-#include <catch2/catch.hpp>
-
-#include <cstdint>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-
-TEST_CASE("YADE text is read with and without its format line", "[formats]") {
+TEST_CASE("YADE text is read with and without its format line") {
     const std::vector<Sphere<3>> spheres = {{{{1, 2, 3}}, 0.5}, {{{4, 5, 6}}, 1}};
     REQUIRE(readText("p.txt", "1 2 3 0.5\n\n4\t5  6 1").spheres == spheres);
     REQUIRE(
@@ -35,7 +23,7 @@ TEST_CASE("YADE text is read with and without its format line", "[formats]") {
     REQUIRE_THAT(errorOf("p.txt", "1 2 nan 4\n"), Contains("line 1"));
 }
 
-TEST_CASE("every format of YADE's textExt and textClumps is read", "[formats]") {
+TEST_CASE("every format of YADE's textExt and textClumps is read") {
     const std::vector<Sphere<3>> spheres = {{{{1e-05, -2, 3}}, 0.5}, {{{4, 5, 6}}, 1}};
     const auto ids = readText("p.txt",
                               "#format id_x_y_z_r_matId\n7\t1e-05\t-2\t3\t0.5\t2\n"

@@ -1,17 +1,12 @@
 #include "support/image_file.h"
+#include "support/test.h"
 
 #include "vdbpack/core/rng.h"
 #include "vdbpack/image/ball_means.h"
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
 #include <cstring>
 
-using namespace vdbpack;
-using namespace vdbpack::test;
-
-TEST_CASE("grey values of spheres are the means over their voxels", "[image][long]") {
+TEST_CASE("grey values of spheres are the means over their voxels", "[long]") {
     ImageGrid grid = turned(gridAround(20, {{0.6, 0.8, 1.2}}), 0.3, 0.7);
     if (GENERATE(false, true)) grid.step[1] = -grid.step[1];
     const auto valueAt = [](const Vec<3>& p) {

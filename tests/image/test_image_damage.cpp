@@ -1,18 +1,11 @@
 #include "support/image_file.h"
-#include "support/message_of.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/image/image_file.h"
 
-#include <catch2/catch.hpp>
 #include <zlib.h>
 
 #include <cstring>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -53,8 +46,7 @@ std::string slice(const std::string& height) {
 
 }  // namespace
 
-TEST_CASE("MetaImage: deflated voxels are read, what does not inflate is refused",
-          "[image][file]") {
+TEST_CASE("MetaImage: deflated voxels are read, what does not inflate is refused") {
     const TemporaryFolder folder;
     const std::string voxels = "abcdefgh";
     std::string packed(64, '\0');
@@ -71,7 +63,7 @@ TEST_CASE("MetaImage: deflated voxels are read, what does not inflate is refused
     CHECK_THAT(messageFor(path), Contains("last voxel"));
 }
 
-TEST_CASE("MetaImage: headers that lie are refused", "[image][file]") {
+TEST_CASE("MetaImage: headers that lie are refused") {
     const TemporaryFolder folder;
     const std::string path = folder.file("a.mhd");
     for (const char* lines :
@@ -89,7 +81,7 @@ TEST_CASE("MetaImage: headers that lie are refused", "[image][file]") {
     }
 }
 
-TEST_CASE("headers that libraries do not survive are refused before", "[image][file]") {
+TEST_CASE("headers that libraries do not survive are refused before") {
     const TemporaryFolder folder;
     writeBytes(folder.file("a.nrrd"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nkinds: " +
                                           std::string(2000, 'A') + "\nencoding: raw\n\n12345678");
@@ -99,7 +91,7 @@ TEST_CASE("headers that libraries do not survive are refused before", "[image][f
     CHECK_THAT(messageFor(folder.file("a.tif")), Contains("circle"));
 }
 
-TEST_CASE("DICOM: damaged slices are refused by name, other files are left out", "[image][file]") {
+TEST_CASE("DICOM: damaged slices are refused by name, other files are left out") {
     const TemporaryFolder folder;
     const std::string second = slice("1.5 ");
     writeBytes(folder.file("1.dcm"), slice("0 "));

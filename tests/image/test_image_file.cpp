@@ -1,20 +1,9 @@
 #include "support/image_file.h"
-#include "support/message_of.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/image/image_surface.h"
 #include "vdbpack/image/label_map.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <filesystem>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -55,7 +44,7 @@ std::string messageFor(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("one image is the same in the world in all formats", "[image][file]") {
+TEST_CASE("one image is the same in the world in all formats") {
     const TemporaryFolder folder;
     const auto made = halves(GENERATE(false, true));
     writeMeta(folder.file("a.mha"), made, "MET_UCHAR");
@@ -68,7 +57,7 @@ TEST_CASE("one image is the same in the world in all formats", "[image][file]") 
     CHECK(readImage(folder.file("a.nrrd")).grid.orientation().size() == 3);
 }
 
-TEST_CASE("orientation names where each index grows to", "[image]") {
+TEST_CASE("orientation names where each index grows to") {
     ImageGrid grid;
     CHECK(grid.orientation() == "LPS");
     grid.step = {{{{0, 0, -2}}, {{-1, 0.2, 0}}, {{0, 1, 0}}}};
@@ -77,8 +66,7 @@ TEST_CASE("orientation names where each index grows to", "[image]") {
         CHECK(length(grid.at(grid.indexOf(p)) - p) < 1e-12);
 }
 
-TEST_CASE("axes that are perpendicular up to rounding are made so, sheared ones are kept",
-          "[image][file]") {
+TEST_CASE("axes that are perpendicular up to rounding are made so, sheared ones are kept") {
     const TemporaryFolder folder;
     auto made = halves();
     made.grid.step[0] += 4e-4 * made.grid.step[1];
@@ -100,8 +88,7 @@ TEST_CASE("axes that are perpendicular up to rounding are made so, sheared ones 
     CHECK_THAT(messageFor(folder.file("flat.nrrd")), Contains("plane"));
 }
 
-TEST_CASE("a file without the spacing of its voxels is refused unless one is given",
-          "[image][file]") {
+TEST_CASE("a file without the spacing of its voxels is refused unless one is given") {
     const TemporaryFolder folder;
     const auto made = halves();
     const auto& s = made.grid.size;
@@ -121,7 +108,7 @@ TEST_CASE("a file without the spacing of its voxels is refused unless one is giv
     }
 }
 
-TEST_CASE("NIfTI: the sform counts, and a qform elsewhere is reported", "[image][file]") {
+TEST_CASE("NIfTI: the sform counts, and a qform elsewhere is reported") {
     const TemporaryFolder folder;
     const auto made = halves();
     std::string header = niftiHeader(made, 2);
@@ -138,7 +125,7 @@ TEST_CASE("NIfTI: the sform counts, and a qform elsewhere is reported", "[image]
     CHECK_THAT(warningsOf(folder.file("none.nii")).at(0), Contains("unknown"));
 }
 
-TEST_CASE("damaged images are refused without memory for what they claim", "[image][file]") {
+TEST_CASE("damaged images are refused without memory for what they claim") {
     const TemporaryFolder folder;
     const auto made = halves();
     writeNrrd(folder.file("a.nrrd"), made, "uint8");
@@ -167,7 +154,7 @@ TEST_CASE("damaged images are refused without memory for what they claim", "[ima
     CHECK_FALSE(messageFor(folder.file("")).empty());
 }
 
-TEST_CASE("labels are found by value, by name and in layers", "[image]") {
+TEST_CASE("labels are found by value, by name and in layers") {
     const TemporaryFolder folder;
     writeNrrd(folder.file("a.seg.nrrd"), halves(), "uint8",
               "Segment0_Name:=left half\nSegment0_LabelValue:=3\nSegment0_Layer:=0\n"
@@ -189,7 +176,7 @@ TEST_CASE("labels are found by value, by name and in layers", "[image]") {
     for (const auto& mesh : meshes) CHECK_FALSE(mesh.triangles.empty());
 }
 
-TEST_CASE("slices of a stack are in the order of their numbers", "[image][file]") {
+TEST_CASE("slices of a stack are in the order of their numbers") {
     const TemporaryFolder folder;
     // The smallest TIFF: one strip of 2 x 2 bytes.
     const auto writeTiff = [&](const std::string& name, std::uint8_t value) {
@@ -227,7 +214,7 @@ TEST_CASE("slices of a stack are in the order of their numbers", "[image][file]"
     }
 }
 
-TEST_CASE("label maps are written in the world that they lie in", "[image][file]") {
+TEST_CASE("label maps are written in the world that they lie in") {
     const TemporaryFolder folder;
     LabelMap map;
     map.grid = turned(gridAround(12, {{0.7, 0.9, 1.3}}), 0.4, -0.8);

@@ -1,16 +1,8 @@
 #include "support/image_file.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/image/label_map.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -38,7 +30,7 @@ std::vector<Sphere<3>> looseBalls() {
 
 }  // namespace
 
-TEST_CASE("a voxel has the label of the sphere that its center lies in", "[image]") {
+TEST_CASE("a voxel has the label of the sphere that its center lies in") {
     const ImageGrid grid = obliqueGrid();
     const auto balls = looseBalls();
     std::vector<std::int32_t> labels;
@@ -57,7 +49,7 @@ TEST_CASE("a voxel has the label of the sphere that its center lies in", "[image
     CHECK(labelled > 500);
 }
 
-TEST_CASE("voxels of another size cover the same space", "[image]") {
+TEST_CASE("voxels of another size cover the same space") {
     const ImageGrid grid = obliqueGrid();
     const ImageGrid fine = withSpacing(grid, {{0.35, 0.3, 1.3}});
     CHECK(fine.size ==

@@ -1,14 +1,9 @@
+#include "support/test.h"
+
 #include "vdbpack/core/rng.h"
 #include "vdbpack/image/label_relations.h"
 
-#include <catch2/catch.hpp>
-
-#include <map>
-#include <set>
-
-using namespace vdbpack;
-
-TEST_CASE("components and contacts of labels are those of a search voxel by voxel", "[image]") {
+TEST_CASE("components and contacts of labels are those of a search voxel by voxel") {
     Image image;
     image.grid.size = {13, 9, 11};
     image.type = NumberType::u8;

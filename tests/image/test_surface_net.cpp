@@ -1,18 +1,9 @@
 #include "support/image_file.h"
+#include "support/test.h"
 
 #include "vdbpack/core/rng.h"
 #include "vdbpack/image/surface_net.h"
 #include "vdbpack/mesh/mesh_check.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <set>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -70,7 +61,7 @@ double inVoxels(const Shape& shape, const Vec<3>& p, const Vec<3>& spacing) {
 
 }  // namespace
 
-TEST_CASE("surfaces of digitized shapes lie where the shapes' do", "[image]") {
+TEST_CASE("surfaces of digitized shapes lie where the shapes' do") {
     const double across = GENERATE(1.0, 3.0);
     const Vec<3> spacing{{1, 1, across}};
     RandomStream random(9, 4);
@@ -96,7 +87,7 @@ TEST_CASE("surfaces of digitized shapes lie where the shapes' do", "[image]") {
     }
 }
 
-TEST_CASE("the wide terrace on top of a ball is rounded", "[image]") {
+TEST_CASE("the wide terrace on top of a ball is rounded") {
     // The next layer of voxels lies just past the top: its own terrace has a radius of 23 voxels.
     const Vec<3> spacing{{1, 1, 3}};
     const Shape ball{"ball", [](const Vec<3>& p) { return length(p) - 90; }, 0, 92};
@@ -110,7 +101,7 @@ TEST_CASE("the wide terrace on top of a ball is rounded", "[image]") {
     CHECK(largest < 0.42);
 }
 
-TEST_CASE("a digitized box keeps its flat sides", "[image]") {
+TEST_CASE("a digitized box keeps its flat sides") {
     const double across = GENERATE(1.0, 3.0);
     // About the axis across, in radians.
     const double turn = GENERATE(0.0, 0.3);
@@ -142,7 +133,7 @@ TEST_CASE("a digitized box keeps its flat sides", "[image]") {
     CHECK(largest < 0.3);
 }
 
-TEST_CASE("labels that touch share the triangles between them", "[image]") {
+TEST_CASE("labels that touch share the triangles between them") {
     const ImageGrid grid = gridAround(13, {{1, 1, 1}}, {{0.2, 0.1, 0.4}});
     const auto voxels = labelled(
         grid, [](const Vec<3>& p) { return length(p) < 12 ? (p[0] + 0.4 * p[1] < 0 ? 1 : 2) : 0; });
@@ -172,7 +163,7 @@ TEST_CASE("labels that touch share the triangles between them", "[image]") {
     CHECK(sum == Approx(4.0 / 3 * std::acos(-1.0) * 1728).epsilon(0.005));
 }
 
-TEST_CASE("any label map has closed surfaces with two triangles at each edge", "[image]") {
+TEST_CASE("any label map has closed surfaces with two triangles at each edge") {
     const int labels = GENERATE(1, 3);
     const double share = GENERATE(0.1, 0.4, 0.8);
     CAPTURE(labels, share);
@@ -191,7 +182,7 @@ TEST_CASE("any label map has closed surfaces with two triangles at each edge", "
     }
 }
 
-TEST_CASE("the border of an image closes what it cuts with a flat wall", "[image]") {
+TEST_CASE("the border of an image closes what it cuts with a flat wall") {
     ImageGrid grid;
     grid.size = {20, 30, 25};
     const auto voxels =
@@ -205,7 +196,7 @@ TEST_CASE("the border of an image closes what it cuts with a flat wall", "[image
     CHECK(checkMesh(mesh).signedVolume == Approx(static_cast<double>(count)).epsilon(0.001));
 }
 
-TEST_CASE("mirrored and oblique axes turn a surface and nothing else", "[image]") {
+TEST_CASE("mirrored and oblique axes turn a surface and nothing else") {
     const ImageGrid plain = gridAround(11, {{1, 0.8, 1.5}}, {{0.3, 0, 0.1}});
     const auto voxels = labelled(plain, [](const Vec<3>& p) { return length(p) < 10; });
     const SurfaceNet net = smoothNet(voxels);
@@ -216,7 +207,7 @@ TEST_CASE("mirrored and oblique axes turn a surface and nothing else", "[image]"
     CHECK(checkMesh(surfaceOfLabel(net, mirrored, 1)).signedVolume == Approx(volume));
 }
 
-TEST_CASE("interpolated surfaces are as exact as the values", "[image]") {
+TEST_CASE("interpolated surfaces are as exact as the values") {
     const ImageGrid grid = gridAround(13, {{1, 1, 1.5}}, {{0.3, 0.2, 0.1}});
     const auto values =
         Voxels<float>::of(grid, [](const Vec<3>& p) { return 12 - length(p); }).values;

@@ -1,22 +1,11 @@
-#include "support/message_of.h"
-#include "support/text_file.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/io/delimited_text.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
-
-namespace vdbpack::test {
 namespace {
 
-using Catch::Matchers::Contains;
 using Rows = std::vector<std::vector<std::string>>;
 
 Rows rowsOf(DelimitedText& text) {
@@ -37,7 +26,9 @@ Table read(const std::string& content) {
     return {text.names(), rowsOf(text)};
 }
 
-TEST_CASE("a table is the same with any separator", "[io]") {
+}  // namespace
+
+TEST_CASE("a table is the same with any separator") {
     for (const char* content :
          {"x,y z,r\n1,2,3\n4,5,6\n", "x;y z;r\n1;2;3\n4;5;6\n", "x\ty z\tr\n1\t2\t3\n4\t5\t6\n",
           "\xEF\xBB\xBFx, y z , r\r\n1 ,2, 3\r\n\r\n4,5,6", "sep=;\nx;y z;r\n1;2;3\n4;5;6\n",
@@ -50,12 +41,12 @@ TEST_CASE("a table is the same with any separator", "[io]") {
     }
 }
 
-TEST_CASE("quotes keep separators, and two quotes are one", "[io]") {
+TEST_CASE("quotes keep separators, and two quotes are one") {
     const Table table = read("x,name\n1,\"a,\"\"b\"\"; c\"\n2,\n");
     CHECK(table.rows == Rows{{"1", "a,\"b\"; c"}, {"2", ""}});
 }
 
-TEST_CASE("malformed tables are refused with their line", "[io]") {
+TEST_CASE("malformed tables are refused with their line") {
     const auto refusal = [](const std::string& content) {
         return messageOf<InputError>([&] { read(content); });
     };
@@ -68,7 +59,7 @@ TEST_CASE("malformed tables are refused with their line", "[io]") {
     CHECK_THAT(refusal("x,\"y\n1,2\n"), Contains("line 1") && Contains("quote"));
 }
 
-TEST_CASE("a comment that may be a row of texts is refused only on request", "[io]") {
+TEST_CASE("a comment that may be a row of texts is refused only on request") {
     const TextFile made("name,x\n#1,2\na,3\n");
     DelimitedText text(made.path());
     text.readHeader("x");
@@ -78,19 +69,19 @@ TEST_CASE("a comment that may be a row of texts is refused only on request", "[i
     CHECK_THAT(messageOf<InputError>([&] { rowsOf(text); }), Contains("line 2"));
 }
 
-TEST_CASE("without a header each row has its own separator", "[io]") {
+TEST_CASE("without a header each row has its own separator") {
     const TextFile made("a b\n1,2\n3;4;5\n6\t7\n");
     DelimitedText text(made.path());
     CHECK(rowsOf(text) == Rows{{"a", "b"}, {"1", "2"}, {"3", "4", "5"}, {"6", "7"}});
 }
 
-TEST_CASE("names of columns count without case, signs and units", "[io]") {
+TEST_CASE("names of columns count without case, signs and units") {
     CHECK(canonicalName("Theta_Z [rad]") == "thetaz");
     CHECK(canonicalName("Points:0") == "points0");
     CHECK(canonicalName("\xCE\xB8z (deg)") == "\xCE\xB8z");
 }
 
-TEST_CASE("numbers are read whole or not at all", "[io]") {
+TEST_CASE("numbers are read whole or not at all") {
     double value = 7;
     for (const char* text :
          {"", "1 2", "1,5", "0x10", "--1", "+-1", "1e", "one", "1e999", "1e-999"})
@@ -112,7 +103,7 @@ TEST_CASE("numbers are read whole or not at all", "[io]") {
         CHECK(!parseNumberList(text).has_value());
 }
 
-TEST_CASE("texts are cut, compared and quoted without a locale", "[io]") {
+TEST_CASE("texts are cut, compared and quoted without a locale") {
     CHECK(extensionOf("a.b/c.d/Skull.STL") == ".stl");
     CHECK(extensionOf("a.b/skull").empty());
     CHECK((endsWith("a.stl", ".stl") && !endsWith("stl", ".stl")));
@@ -125,7 +116,7 @@ TEST_CASE("texts are cut, compared and quoted without a locale", "[io]") {
     CHECK(text == "A\xC3\xA9\xE2\x82\xAC\xF0\x9F\xA6\xB4");
 }
 
-TEST_CASE("texts of damaged files are fit for a terminal", "[io]") {
+TEST_CASE("texts of damaged files are fit for a terminal") {
     CHECK(printable("K\xc3\xb6rper \xf0\x9f\xa6\xb4\n\t.") ==
           "K\xc3\xb6rper \xf0\x9f\xa6\xb4\n\t.");
     CHECK(printable("a\x1b[2J\x7f\xff\xc3") == "a?[2J???");
@@ -137,18 +128,19 @@ TEST_CASE("texts of damaged files are fit for a terminal", "[io]") {
     CHECK(quotedExcerpt(std::string(39, 'x') + umlauts) == "'" + std::string(39, 'x') + "...'");
 }
 
-TEST_CASE("sizes of memory are read as people write them", "[numbers]") {
-    const std::pair<const char*, double> sizes[] = {{"65536", 65536},
-                                                    {"8G", 8.0 * (1ull << 30)},
-                                                    {"8g", 8.0 * (1ull << 30)},
-                                                    {"500M", 500.0 * (1 << 20)},
-                                                    {"500MB", 5e8},
-                                                    {"500 MB", 5e8},
-                                                    {"1.5GiB", 1.5 * (1 << 30)},
-                                                    {"2K", 2048},
-                                                    {"1e3", 1000},
-                                                    {"3T", 3.0 * (1ull << 40)},
-                                                    {"7B", 7}};
+TEST_CASE("sizes of memory are read as people write them") {
+    constexpr double kGibi = 1 << 30;
+    const std::vector<std::pair<const char*, double>> sizes{{"65536", 65536},
+                                                            {"8G", 8 * kGibi},
+                                                            {"8g", 8 * kGibi},
+                                                            {"500M", 500 * kGibi / 1024},
+                                                            {"500MB", 5e8},
+                                                            {"500 MB", 5e8},
+                                                            {"1.5GiB", 1.5 * kGibi},
+                                                            {"2K", 2048},
+                                                            {"1e3", 1000},
+                                                            {"3T", 3 * 1024 * kGibi},
+                                                            {"7B", 7}};
     for (const auto& [text, bytes] : sizes) {
         CAPTURE(text);
         CHECK(parseBytes(text).value_or(0) == bytes);
@@ -159,6 +151,3 @@ TEST_CASE("sizes of memory are read as people write them", "[numbers]") {
         CHECK_FALSE(parseBytes(bad).has_value());
     }
 }
-
-}  // namespace
-}  // namespace vdbpack::test

@@ -1,23 +1,12 @@
-#include "support/message_of.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/io/input_file.h"
 
-#include <catch2/catch.hpp>
 #include <sys/stat.h>
 
-#include <cstring>
-#include <filesystem>
-#include <string>
 #include <thread>
-#include <vector>
 
-namespace vdbpack::test {
 namespace {
-
-using Catch::Matchers::Contains;
 
 std::vector<std::string> linesOf(InputFile& file) {
     std::vector<std::string> lines;
@@ -25,7 +14,9 @@ std::vector<std::string> linesOf(InputFile& file) {
     return lines;
 }
 
-TEST_CASE("lines are the same whichever way they end", "[io]") {
+}  // namespace
+
+TEST_CASE("lines are the same whichever way they end") {
     const std::vector<std::string> lines{"first", "", "a third one ", "x"};
     for (const std::string end : {"\n", "\r\n", "\r"})
         for (const bool closed : {true, false}) {
@@ -41,7 +32,7 @@ TEST_CASE("lines are the same whichever way they end", "[io]") {
         }
 }
 
-TEST_CASE("lines and blocks larger than the buffer are read whole", "[io]") {
+TEST_CASE("lines and blocks larger than the buffer are read whole") {
     const std::string longest(9'000'000, 'x'), last(5'000'000, 'y');
     const TextFile made("a\n" + longest + "\nb\n" + last);
     InputFile file(made.path());
@@ -56,7 +47,7 @@ TEST_CASE("lines and blocks larger than the buffer are read whole", "[io]") {
     CHECK(file.lineNumber() == 2);
 }
 
-TEST_CASE("any order of seeking, peeking and taking returns the bytes at the offset", "[io]") {
+TEST_CASE("any order of seeking, peeking and taking returns the bytes at the offset") {
     std::string content;
     for (int i = 0; content.size() < 6'000'000; ++i) content += std::to_string(i) + '\n';
     const TextFile made(content);
@@ -79,7 +70,7 @@ TEST_CASE("any order of seeking, peeking and taking returns the bytes at the off
     }
 }
 
-TEST_CASE("a pipe is read like a file", "[io]") {
+TEST_CASE("a pipe is read like a file") {
     const TemporaryFolder folder;
     const std::string path = folder.file("pipe");
     REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
@@ -96,7 +87,7 @@ TEST_CASE("a pipe is read like a file", "[io]") {
     CHECK(file.lineNumber() == 2);
 }
 
-TEST_CASE("files that cannot be read are refused with their name", "[io]") {
+TEST_CASE("files that cannot be read are refused with their name") {
     const TemporaryFolder folder;
     std::filesystem::create_directory(folder.file("folder"));
     for (const std::string& path :
@@ -108,19 +99,3 @@ TEST_CASE("files that cannot be read are refused with their name", "[io]") {
     CHECK_THAT(messageOf<InputError>([&] { file.readAt(3, bytes, 6); }),
                Contains(made.path()) && Contains("byte 5"));
 }
-
-TEST_CASE("errors name the line or the byte", "[io]") {
-    const TextFile made("a\nb\n");
-    InputFile file(made.path());
-    file.skipByteOrderMark();
-    std::string_view line;
-    file.nextLine(line);
-    file.nextLine(line);
-    CHECK(messageOf<InputError>([&] { file.failAtLine("is wrong"); }) ==
-          made.path() + ": line 2: is wrong");
-    CHECK(messageOf<InputError>([&] { file.failAtByte(7, "is wrong"); }) ==
-          made.path() + ": byte 7: is wrong");
-}
-
-}  // namespace
-}  // namespace vdbpack::test

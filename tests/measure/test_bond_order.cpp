@@ -1,14 +1,10 @@
 // Bond order: crystals are distinguished from random packs, however they are turned.
+#include "support/test.h"
+
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/pack/packer.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-
-using namespace vdbpack;
 
 namespace {
 
@@ -38,7 +34,7 @@ std::vector<Sphere<2>> hexagons(int rows) {
 
 }  // namespace
 
-TEST_CASE("a crystal is solid-like, whichever way it is turned", "[measure]") {
+TEST_CASE("a crystal is solid-like, whichever way it is turned") {
     const double angle = GENERATE(0.0, 0.3, 1.1);
     const auto spheres = crystal(6, angle);
     // All but some of those at the edges.
@@ -51,7 +47,7 @@ TEST_CASE("a crystal is solid-like, whichever way it is turned", "[measure]") {
     CHECK(inner >= 10 * 10 * 10 / 2);
 }
 
-TEST_CASE("hexagons in the plane are solid-like, squares are not", "[measure]") {
+TEST_CASE("hexagons in the plane are solid-like, squares are not") {
     const auto circles = hexagons(20);
     CHECK(solidLikeShare(circles) > 0.9);  // all but those at the edges
     const auto order = bondOrder(circles);
@@ -62,7 +58,7 @@ TEST_CASE("hexagons in the plane are solid-like, squares are not", "[measure]") 
     CHECK(bondOrder(squares).strength[210] == Approx(0).margin(1e-5));
 }
 
-TEST_CASE("a pair has one bond and full order, a lone sphere none", "[measure]") {
+TEST_CASE("a pair has one bond and full order, a lone sphere none") {
     const std::vector<Sphere<3>> spheres{
         {{{0, 0, 0}}, 1}, {{{1.1, 1.2, 1.3}}, 0.9}, {{{50, 0, 0}}, 1}};
     const auto order = bondOrder(spheres);
@@ -73,7 +69,7 @@ TEST_CASE("a pair has one bond and full order, a lone sphere none", "[measure]")
     CHECK(solidLikeShare(std::vector<Sphere<3>>{}) == 0);
 }
 
-TEST_CASE("packs of spheres of many sizes are not solid-like", "[measure]") {
+TEST_CASE("packs of spheres of many sizes are not solid-like") {
     const auto domain = boxDomain<3>({Box<3>::filled(-15), Box<3>::filled(15)});
     const auto sizes = SizeDistribution::parse("uniform:1,2", 3);
     CHECK(solidLikeShare(packSpheres(*domain, PackOptions(sizes)).pack.spheres) < 0.02);

@@ -1,24 +1,15 @@
 #include "measure/packs.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/symmetric.h"
 #include "vdbpack/measure/contacts.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <limits>
 #include <numeric>
 #include <tuple>
 
-using namespace vdbpack;
-using namespace vdbpack::test;
-
-TEST_CASE("lattices have 6, 8 and 12 contacts", "[measure]") {
+TEST_CASE("lattices have 6, 8 and 12 contacts") {
     const auto [lattice, expected] =
         GENERATE(std::make_tuple(Lattice::sc, 6), std::make_tuple(Lattice::bcc, 8),
                  std::make_tuple(Lattice::fcc, 12));
@@ -41,8 +32,7 @@ TEST_CASE("lattices have 6, 8 and 12 contacts", "[measure]") {
             Approx(2.0 * static_cast<double>(check.pairs) / static_cast<double>(spheres.size())));
 }
 
-TEMPLATE_TEST_CASE_SIG("contacts are those of an all-pairs search", "[measure]", ((int Dim), Dim),
-                       2, 3) {
+DIM_TEST_CASE("contacts are those of an all-pairs search") {
     const double tolerance = GENERATE(1e-3, 0.05, 1.0);
     const double ratio = GENERATE(1.0, 20.0);
     CAPTURE(Dim, tolerance, ratio);
@@ -92,7 +82,7 @@ TEMPLATE_TEST_CASE_SIG("contacts are those of an all-pairs search", "[measure]",
                  total));
 }
 
-TEST_CASE("the fabric of cubic lattices is isotropic and of one component", "[measure]") {
+TEST_CASE("the fabric of cubic lattices is isotropic and of one component") {
     const auto lattice = GENERATE(Lattice::sc, Lattice::bcc, Lattice::fcc);
     double edge = 0;
     auto spheres = latticeSpheres(lattice, 7, edge);
@@ -118,7 +108,7 @@ TEST_CASE("the fabric of cubic lattices is isotropic and of one component", "[me
     CHECK(eigenSystem<3>(parted.fabric).values[0] == Approx(0.5).epsilon(1e-6));
 }
 
-TEST_CASE("contacts are the same for any number of threads", "[measure]") {
+TEST_CASE("contacts are the same for any number of threads") {
     const auto spheres = randomSpheres<3>(20000, 60, 0.5, 3, 5);
     std::vector<ContactCheck> checks;
     for (const int threads : {1, 2, 8})
@@ -131,8 +121,7 @@ TEST_CASE("contacts are the same for any number of threads", "[measure]") {
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("the list of contacts is that of an all-pairs search", "[measure]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("the list of contacts is that of an all-pairs search") {
     const double tolerance = GENERATE(0.0, 1e-3, 0.05, 1.0);
     const double ratio = GENERATE(1.0, 20.0);
     const auto seed = GENERATE(range(1u, 6u));
@@ -155,7 +144,7 @@ TEMPLATE_TEST_CASE_SIG("the list of contacts is that of an all-pairs search", "[
     REQUIRE(countContacts(spheres, tolerance).pairs == expected.size());
 }
 
-TEST_CASE("contacts are listed for usable spheres and tolerances only", "[measure]") {
+TEST_CASE("contacts are listed for usable spheres and tolerances only") {
     const std::vector<Sphere<3>> spheres{{{{0, 0, 1}}, 1}, {{{0, 0, 3}}, -1}};
     REQUIRE(listContacts(std::vector<Sphere<2>>{}, 1e-3).empty());
     REQUIRE_THROWS_AS(listContacts(spheres, 1e-3), InputError);
@@ -163,7 +152,7 @@ TEST_CASE("contacts are listed for usable spheres and tolerances only", "[measur
     REQUIRE_THROWS_AS(listContacts(spheres, std::nan("")), ParameterError);
 }
 
-TEST_CASE("walls count as contacts where the depth is known", "[measure]") {
+TEST_CASE("walls count as contacts where the depth is known") {
     const std::vector<Sphere<3>> spheres{{{{0, 0, 1}}, 1}, {{{0, 0, 3}}, 1}};
     const auto check = countContacts(spheres, 1e-3, {1.0005f, 3.0f});
     REQUIRE(check.counts == std::vector<std::int32_t>{2, 1});
@@ -175,8 +164,7 @@ TEST_CASE("walls count as contacts where the depth is known", "[measure]") {
     REQUIRE(countContacts(std::vector<Sphere<2>>{}, 1e-3).mean == 0);
 }
 
-TEMPLATE_TEST_CASE_SIG("the smallest gap is that of all pairs", "[measure]", ((int Dim), Dim), 2,
-                       3) {
+DIM_TEST_CASE("the smallest gap is that of all pairs") {
     RandomStream random(21, Dim);
     for (int round = 0; round < 60; ++round) {
         // From crowded and overlapping to a few that are far apart, of very different sizes.

@@ -1,52 +1,19 @@
 #include "measure/packs.h"
+#include "support/ball_domain.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/measure/vacancies.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
 #include <tuple>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
 /// A ball whose signed distance is cut off at a depth, as that of a mesh is.
-class ShallowBall : public Domain<3> {
-public:
-    ShallowBall(double radius, double known) : ball_(ballDomain<3>(radius)), known_(known) {}
-    Box<3> bounds() const override { return ball_->bounds(); }
-    double volume() const override { return ball_->volume(); }
-    double wallArea() const override { return ball_->wallArea(); }
-    double volumeDeeperThan(double depth) const override { return ball_->volumeDeeperThan(depth); }
-    double fieldDepth() const override { return known_; }
-    DomainFacts facts() const override { return ball_->facts(); }
-    std::unique_ptr<DomainSampler<3>> sampler() const override {
-        struct Sampler : DomainSampler<3> {
-            std::unique_ptr<DomainSampler<3>> ball;
-            double known = 0;
-            double signedDistance(const Vec<3>& x) override {
-                return std::clamp(ball->signedDistance(x), -known, 0.5);
-            }
-            bool nearestWall(const Vec<3>& x, double reach, WallPoint<3>& wall) override {
-                return ball->nearestWall(x, reach, wall);
-            }
-        };
-        auto s = std::make_unique<Sampler>();
-        s->ball = ball_->sampler();
-        s->known = known_;
-        return s;
-    }
-
-private:
-    std::shared_ptr<const Domain<3>> ball_;
-    double known_;
-};
+ChangedBall shallowBall(double radius, double known) {
+    return {radius, known, 0, [known](double d) { return std::clamp(d, -known, 0.5); }};
+}
 
 /// Share of the ball of radius `R` covered by lattice spheres of radius 1, by plain sampling.
 double sampledFraction(const std::vector<Sphere<3>>& spheres, double R) {
@@ -66,7 +33,7 @@ double sampledFraction(const std::vector<Sphere<3>>& spheres, double R) {
 
 }  // namespace
 
-TEST_CASE("lattices fill what crystallography says", "[measure]") {
+TEST_CASE("lattices fill what crystallography says") {
     const auto [lattice, expected] =
         GENERATE(std::make_tuple(Lattice::sc, kPi / 6),
                  std::make_tuple(Lattice::bcc, kPi * std::sqrt(3.0) / 8),
@@ -81,7 +48,7 @@ TEST_CASE("lattices fill what crystallography says", "[measure]") {
     REQUIRE(solidFraction(spheres, *domain) == Approx(expected).epsilon(1e-12));
 }
 
-TEST_CASE("squares of circles fill a quarter of pi", "[measure]") {
+TEST_CASE("squares of circles fill a quarter of pi") {
     std::vector<Sphere<2>> circles = disjointSpheres<2>(30, 1);
     for (auto& c : circles) c.radius = 1;
     const auto domain = boxDomain<2>(Box<2>{{{0, 0}}, {{60, 60}}});
@@ -91,23 +58,23 @@ TEST_CASE("squares of circles fill a quarter of pi", "[measure]") {
     REQUIRE_FALSE(interiorFraction(circles, *domain, 30.5));
 }
 
-TEST_CASE("a field that ends at the requested depth gives the same interior", "[measure][long]") {
+TEST_CASE("a field that ends at the requested depth gives the same interior", "[long]") {
     double edge = 0;
     auto spheres = latticeSpheres(Lattice::fcc, 14, edge);
     for (auto& s : spheres) s.center -= Vec<3>{{1, 1, 1}} * (7 * edge);
     const double R = 18, depth = 3;
     const auto exact = interiorFraction(spheres, *ballDomain<3>(R), depth);
-    const auto shallow = interiorFraction(spheres, ShallowBall(R, depth), depth);
-    const auto barely = interiorFraction(spheres, ShallowBall(R, depth + 0.4), depth);
+    const auto shallow = interiorFraction(spheres, shallowBall(R, depth), depth);
+    const auto barely = interiorFraction(spheres, shallowBall(R, depth + 0.4), depth);
     REQUIRE(*exact == Approx(sampledFraction(spheres, R - depth)).margin(0.01));
     REQUIRE(*shallow == Approx(*exact).margin(1e-3));
     REQUIRE(*barely == Approx(*exact).margin(1e-3));
-    REQUIRE_THROWS_AS(interiorFraction(spheres, ShallowBall(R, depth), depth + 0.1),
+    REQUIRE_THROWS_AS(interiorFraction(spheres, shallowBall(R, depth), depth + 0.1),
                       ParameterError);
     REQUIRE_THROWS_AS(interiorFraction(spheres, *ballDomain<3>(R), -1.0), ParameterError);
 }
 
-TEST_CASE("an empty ball has its largest place in the middle", "[measure]") {
+TEST_CASE("an empty ball has its largest place in the middle") {
     const auto domain = ballDomain<3>(10, {{5, 6, 7}});
     const auto check = findVacancies<3>({}, *domain, 9.0, 200000);
     REQUIRE(check.largest <= 10);
@@ -117,8 +84,7 @@ TEST_CASE("an empty ball has its largest place in the middle", "[measure]") {
     REQUIRE(static_cast<double>(check.points) == Approx(200).epsilon(0.1));
 }
 
-TEMPLATE_TEST_CASE_SIG("a sphere taken out leaves a place of its size", "[measure]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a sphere taken out leaves a place of its size") {
     const int n = Dim == 2 ? 12 : 6;
     auto spheres = disjointSpheres<Dim>(n, 5);
     for (auto& s : spheres) s.radius = 1;
@@ -139,7 +105,7 @@ TEMPLATE_TEST_CASE_SIG("a sphere taken out leaves a place of its size", "[measur
     REQUIRE(length(check.at - at) < 2 * check.spacing);
 }
 
-TEST_CASE("places are those of a search over the same clearances", "[measure]") {
+TEST_CASE("places are those of a search over the same clearances") {
     const auto spheres = randomSpheres<3>(300, 18, 0.5, 8, 21);
     const auto domain = cylinderDomain(8, 14);
     const double radius = 1.2;
@@ -170,8 +136,7 @@ TEST_CASE("places are those of a search over the same clearances", "[measure]") 
     REQUIRE_THROWS_AS(findVacancies<3>(spheres, *domain, 0.0), ParameterError);
 }
 
-TEMPLATE_TEST_CASE_SIG("the profile of a lattice is level in whole layers", "[measure]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("the profile of a lattice is level in whole layers") {
     // Ten touching spheres a side: each layer of a diameter below the wall is a shell of whole
     // ones.
     std::vector<Sphere<Dim>> spheres;
@@ -184,10 +149,7 @@ TEMPLATE_TEST_CASE_SIG("the profile of a lattice is level in whole layers", "[me
                 s.radius = 1;
                 spheres.push_back(s);
             }
-    Box<Dim> box;
-    box.lo = Box<Dim>::filled(-10);
-    box.hi = Box<Dim>::filled(10);
-    const auto domain = boxDomain<Dim>(box);
+    const auto domain = boxDomain<Dim>({Box<Dim>::filled(-10), Box<Dim>::filled(10)});
     const double level = Measure<Dim>::ball(1) / std::pow(2, Dim);
     const auto layers = densityProfile(spheres, *domain, 2, 10);
     REQUIRE(layers.fraction.size() == 5);

@@ -1,16 +1,7 @@
 #include "measure/packs.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/core/rng.h"
 #include "vdbpack/measure/pair_correlation.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -53,8 +44,7 @@ std::vector<Sphere<Dim>> gas(std::size_t n, double side, double r, std::uint64_t
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("a thin gas has no order beyond contact", "[measure]", ((int Dim), Dim), 2,
-                       3) {
+DIM_TEST_CASE("a thin gas has no order beyond contact") {
     const double side = Dim == 3 ? 60 : 400, radius = 0.5, reach = 5;
     // One percent of the volume: g(r) - 1 just beyond contact is about eight times that in 3D.
     const double share = Dim == 3 ? 0.002 : 0.004;
@@ -84,7 +74,7 @@ TEMPLATE_TEST_CASE_SIG("a thin gas has no order beyond contact", "[measure]", ((
           Approx(static_cast<double>(spheres.size()) / std::pow(side, Dim)).epsilon(0.05));
 }
 
-TEST_CASE("the pair correlation of a cubic lattice has its shells", "[measure]") {
+TEST_CASE("the pair correlation of a cubic lattice has its shells") {
     double edge = 0;
     const auto spheres = latticeSpheres(Lattice::sc, 20, edge);
     std::vector<float> depth;
@@ -112,7 +102,7 @@ TEST_CASE("the pair correlation of a cubic lattice has its shells", "[measure]")
     CHECK(neighborsAt(3.05) == 0);
 }
 
-TEST_CASE("too few centers have no pair correlation", "[measure]") {
+TEST_CASE("too few centers have no pair correlation") {
     const auto spheres = randomSpheres<3>(200, 10, 0.1, 1, 3);
     const std::vector<float> shallow(spheres.size(), 1.0f);
     CHECK_FALSE(pairCorrelation(spheres, shallow, 2.0, 100.0, 10));

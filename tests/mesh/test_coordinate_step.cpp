@@ -1,20 +1,10 @@
 #include "support/generators.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 
-#include "vdbpack/core/vec.h"
 #include "vdbpack/domain/domain_source.h"
 #include "vdbpack/mesh/coordinate_step.h"
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
 #include <cstdio>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -38,9 +28,9 @@ void writeText(const TriangleMesh& mesh, int digits, const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("the step between coordinates is reported", "[mesh][precision]") {
-    const auto ball = test::ballMesh(10, 3);
-    const auto at = [&](double far) { return test::translated(ball, {{far, -far, far}}); };
+TEST_CASE("the step between coordinates is reported") {
+    const auto ball = ballMesh(10, 3);
+    const auto at = [&](double far) { return translated(ball, {{far, -far, far}}); };
     CHECK(coordinateStep(at(1234.5), 1) == 0);  // double
     CHECK(coordinateStep(rounded(at(1e6), 0), 1) == 0.0625);
     CHECK(coordinateStep(rounded(at(1e4), 0), 1) == Approx(0x1p-10));
@@ -54,11 +44,11 @@ TEST_CASE("the step between coordinates is reported", "[mesh][precision]") {
     CHECK(medianEdge(ball) < 3);
 }
 
-TEST_CASE("a file that has lost its digits far from the origin is reported", "[mesh][precision]") {
+TEST_CASE("a file that has lost its digits far from the origin is reported") {
     const TemporaryFolder folder;
     const auto warnings = [&](double far, int digits) {
         const std::string path = folder.file("b.obj");
-        writeText(test::translated(test::ballMesh(10, 3), {{far, far, far}}), digits, path);
+        writeText(translated(ballMesh(10, 3), {{far, far, far}}), digits, path);
         std::vector<std::string> told;
         Callbacks callbacks;
         callbacks.warning = [&](const std::string& text) { told.push_back(text); };

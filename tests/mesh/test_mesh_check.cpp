@@ -1,48 +1,36 @@
 #include "support/generators.h"
 #include "support/paths.h"
+#include "support/test.h"
 
 #include "vdbpack/core/rng.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/welding.h"
 
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-
-namespace vdbpack::test {
-namespace {
-
-using Catch::Matchers::Contains;
-
-TEST_CASE("health of a cube", "[mesh]") {
+TEST_CASE("health of a cube") {
     const auto health = checkMesh(boxMesh({{0, 0, 0}}, {{2, 3, 4}}));
-    CHECK(health.triangles == 12);
-    CHECK(health.vertices == 8);
-    CHECK(health.edges == 18);
-    CHECK(health.pieces == 1);
-    CHECK(health.shells == 1);
+    const std::vector<std::size_t> counts{health.triangles, health.vertices, health.edges,
+                                          health.pieces, health.shells};
+    CHECK(counts == std::vector<std::size_t>{12, 8, 18, 1, 1});
+    const std::vector<std::size_t> flaws{health.boundaryEdges,       health.nonManifoldEdges,
+                                         health.inconsistentEdges,   health.duplicateTriangles,
+                                         health.degenerateTriangles, health.invertedShells};
+    CHECK(flaws == std::vector<std::size_t>(6));
     CHECK(health.eulerNumber == 2);
-    CHECK(health.boundaryEdges == 0);
-    CHECK(health.nonManifoldEdges == 0);
-    CHECK(health.inconsistentEdges == 0);
-    CHECK(health.duplicateTriangles == 0);
-    CHECK(health.degenerateTriangles == 0);
     CHECK(health.area == Approx(2 * (6 + 8 + 12)).epsilon(1e-14));
     CHECK(health.signedVolume == Approx(24).epsilon(1e-14));
     CHECK(health.enclosedVolume == Approx(24).epsilon(1e-14));
     CHECK(health.bounds.lo == Vec<3>{{0, 0, 0}});
     CHECK(health.bounds.hi == Vec<3>{{2, 3, 4}});
     CHECK(health.shellsAtDepth == std::vector<std::size_t>{1});
-    CHECK(health.invertedShells == 0);
-    CHECK(health.isClosed());
     CHECK(health.isWatertight());
     CHECK(health.describeLeak().empty());
     CHECK_THAT(toText(health), Contains("watertight"));
 }
 
-TEST_CASE("a mesh folded flat is reported to enclose nothing", "[mesh]") {
+TEST_CASE("a mesh folded flat is reported to enclose nothing") {
     TriangleMesh mesh;
     mesh.vertices = {{{0, 0, 0}}, {{3, 0, 0}}, {{0, 4, 0}}};
     mesh.triangles = {{0, 1, 2}, {0, 2, 1}};
@@ -52,7 +40,7 @@ TEST_CASE("a mesh folded flat is reported to enclose nothing", "[mesh]") {
     CHECK_THAT(toText(health), !Contains("watertight"));
 }
 
-TEST_CASE("an empty mesh has a health report", "[mesh]") {
+TEST_CASE("an empty mesh has a health report") {
     const auto health = checkMesh({});
     CHECK(health.triangles == 0);
     CHECK(health.shells == 0);
@@ -62,7 +50,7 @@ TEST_CASE("an empty mesh has a health report", "[mesh]") {
     CHECK(!toText(health).empty());
 }
 
-TEST_CASE("the Euler number counts handles and pieces", "[mesh]") {
+TEST_CASE("the Euler number counts handles and pieces") {
     CHECK(checkMesh(torusMesh(5, 2, 20, 10)).eulerNumber == 0);
     CHECK(checkMesh(ballMesh(5, 3)).eulerNumber == 2);
     CHECK(checkMesh(uvBallMesh(5, 7, 9)).eulerNumber == 2);
@@ -72,7 +60,7 @@ TEST_CASE("the Euler number counts handles and pieces", "[mesh]") {
     CHECK(both.isWatertight());
 }
 
-TEST_CASE("area and volume go to those of the ball and the torus", "[mesh]") {
+TEST_CASE("area and volume go to those of the ball and the torus") {
     double lastError = 1;
     for (int levels = 2; levels <= 5; ++levels) {
         const auto health = checkMesh(ballMesh(3, levels));
@@ -86,7 +74,7 @@ TEST_CASE("area and volume go to those of the ball and the torus", "[mesh]") {
     CHECK(torus.area == Approx(4 * kPi * kPi * 5 * 2).epsilon(1e-3));
 }
 
-TEST_CASE("turning, moving and shuffling a mesh leave its health", "[mesh]") {
+TEST_CASE("turning, moving and shuffling a mesh leave its health") {
     auto mesh = merged(torusMesh(5, 2, 20, 10), ballMesh(1, 2, {{20, 0, 0}}));
     mesh.triangles.erase(mesh.triangles.begin() + 17, mesh.triangles.begin() + 20);
     const auto before = checkMesh(mesh);
@@ -100,7 +88,7 @@ TEST_CASE("turning, moving and shuffling a mesh leave its health", "[mesh]") {
     CHECK(after.leak->largest.length == Approx(before.leak->largest.length));
 }
 
-TEST_CASE("a hole is found, with where it is and how long", "[mesh]") {
+TEST_CASE("a hole is found, with where it is and how long") {
     // The top of a box is missing: a plane hole, which the volume closes exactly.
     auto mesh = boxMesh({{0, 0, 0}}, {{2, 3, 4}});
     mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(),
@@ -130,7 +118,7 @@ TEST_CASE("a hole is found, with where it is and how long", "[mesh]") {
     CHECK(json["leak"]["largest"]["edges"] == 4);
 }
 
-TEST_CASE("of several holes the largest is reported", "[mesh]") {
+TEST_CASE("of several holes the largest is reported") {
     auto mesh = merged(uvBallMesh(10, 12, 12), ballMesh(1, 1, {{30, 0, 0}}));
     mesh.triangles.pop_back();
     // The cap around the first pole of the large ball.
@@ -144,7 +132,7 @@ TEST_CASE("of several holes the largest is reported", "[mesh]") {
     CHECK(health.leak->largest.center[2] == Approx(10 * std::cos(kPi / 12)));
 }
 
-TEST_CASE("triangles that face the wrong way are counted by edge and by shell", "[mesh]") {
+TEST_CASE("triangles that face the wrong way are counted by edge and by shell") {
     auto mesh = ballMesh(5, 2);
     std::swap(mesh.triangles[7][0], mesh.triangles[7][1]);
     const auto one = checkMesh(mesh);
@@ -159,7 +147,7 @@ TEST_CASE("triangles that face the wrong way are counted by edge and by shell", 
     CHECK_THAT(toText(wrong), Contains("cavity"));
 }
 
-TEST_CASE("copies and triangles without area are counted and dropped", "[mesh]") {
+TEST_CASE("copies and triangles without area are counted and dropped") {
     const auto seed = GENERATE(range(1u, 11u));
     CAPTURE(seed);
     RandomStream random(seed, 4);
@@ -183,7 +171,7 @@ TEST_CASE("copies and triangles without area are counted and dropped", "[mesh]")
     CHECK(checkMesh(again).isWatertight());
 }
 
-TEST_CASE("a needle keeps a mesh closed and is counted as degenerate", "[mesh]") {
+TEST_CASE("a needle keeps a mesh closed and is counted as degenerate") {
     // The middle of an edge of a box belongs to one face only; a needle joins both sides.
     auto mesh = boxMesh({{0, 0, 0}}, {{2, 2, 2}});
     const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -202,7 +190,7 @@ TEST_CASE("a needle keeps a mesh closed and is counted as degenerate", "[mesh]")
     CHECK(withoutDuplicates(mesh).triangles.size() == mesh.triangles.size());
 }
 
-TEST_CASE("pieces are connected by vertices, shells by edges", "[mesh]") {
+TEST_CASE("pieces are connected by vertices, shells by edges") {
     auto mesh =
         welded(merged(boxMesh({{0, 0, 0}}, {{1, 1, 1}}), boxMesh({{1, 1, 1}}, {{2, 2, 2}})));
     auto health = checkMesh(mesh);
@@ -220,7 +208,7 @@ TEST_CASE("pieces are connected by vertices, shells by edges", "[mesh]") {
     CHECK(health.enclosedVolume == Approx(2));
 }
 
-TEST_CASE("vertices that no triangle names count for nothing", "[mesh]") {
+TEST_CASE("vertices that no triangle names count for nothing") {
     auto mesh = boxMesh({{0, 0, 0}}, {{1, 1, 1}});
     mesh.vertices.push_back({{100, 100, 100}});
     const auto health = checkMesh(mesh);
@@ -229,8 +217,7 @@ TEST_CASE("vertices that no triangle names count for nothing", "[mesh]") {
     CHECK(health.bounds.hi == Vec<3>{{1, 1, 1}});
 }
 
-TEST_CASE("the bundled meshes are single sound surfaces with the tunnels that they should have",
-          "[mesh]") {
+TEST_CASE("the bundled meshes are single sound surfaces with the tunnels that they should have") {
     const auto [name, tunnels] = GENERATE(table<const char*, int>(
         {{"femur", 0}, {"mandible", 0}, {"hip", 1}, {"skull", 6}, {"irregular", 0}}));
     CAPTURE(name);
@@ -240,6 +227,3 @@ TEST_CASE("the bundled meshes are single sound surfaces with the tunnels that th
     CHECK(health.inconsistentEdges + health.degenerateTriangles + health.invertedShells == 0);
     CHECK(health.eulerNumber == 2 - 2 * tunnels);
 }
-
-}  // namespace
-}  // namespace vdbpack::test

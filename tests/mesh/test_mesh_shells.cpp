@@ -1,14 +1,9 @@
 #include "support/generators.h"
+#include "support/test.h"
 
 #include "vdbpack/core/rng.h"
 #include "vdbpack/mesh/mesh_shells.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <numeric>
-
-namespace vdbpack::test {
 namespace {
 
 /// Edges used by one triangle, by looking at all pairs: an oracle.
@@ -36,7 +31,9 @@ std::vector<int> depths(const ShellAnalysis& analysis) {
     return all;
 }
 
-TEST_CASE("a cavity is taken off, whichever way its triangles face", "[mesh]") {
+}  // namespace
+
+TEST_CASE("a cavity is taken off, whichever way its triangles face") {
     const bool inward = GENERATE(false, true);
     const bool outerInward = GENERATE(false, true);
     CAPTURE(inward, outerInward);
@@ -50,7 +47,7 @@ TEST_CASE("a cavity is taken off, whichever way its triangles face", "[mesh]") {
     CHECK(analysis.enclosedVolume() == Approx(ball * (1000 - 125)).epsilon(1e-12));
 }
 
-TEST_CASE("closed components that intersect are counted by pairs", "[mesh]") {
+TEST_CASE("closed components that intersect are counted by pairs") {
     const auto count = [](const TriangleMesh& mesh) { return analyzeShells(mesh).intersections; };
     const TriangleMesh ball = ballMesh(10, 4);
     CHECK(count(ball) == 0);
@@ -68,7 +65,7 @@ TEST_CASE("closed components that intersect are counted by pairs", "[mesh]") {
     CHECK(count(merged(spiked, ballMesh(2, 3, tip * 12.2))) == 1);
 }
 
-TEST_CASE("nesting is found at any depth and for any order of the triangles", "[mesh]") {
+TEST_CASE("nesting is found at any depth and for any order of the triangles") {
     const auto seed = GENERATE(range(1u, 6u));
     CAPTURE(seed);
     TriangleMesh mesh;
@@ -82,7 +79,7 @@ TEST_CASE("nesting is found at any depth and for any order of the triangles", "[
         REQUIRE(analysis.shellOfTriangle[i] < analysis.shells.size());
 }
 
-TEST_CASE("rays through edges and corners of a lattice of boxes count right", "[mesh]") {
+TEST_CASE("rays through edges and corners of a lattice of boxes count right") {
     // Everything on whole numbers: rays from small boxes run along faces, edges and corners.
     auto mesh = boxMesh({{0, 0, 0}}, {{20, 20, 20}});
     mesh = subdivided(subdivided(mesh));
@@ -102,7 +99,7 @@ TEST_CASE("rays through edges and corners of a lattice of boxes count right", "[
     CHECK(analysis.enclosedVolume() == Approx(8000 - 1728 + 25 + 1).epsilon(1e-12));
 }
 
-TEST_CASE("a box encloses another on the inner side of a common wall, not on the outer", "[mesh]") {
+TEST_CASE("a box encloses another on the inner side of a common wall, not on the outer") {
     const auto large = boxMesh({{0, 0, 0}}, {{10, 10, 10}});
     CHECK(depths(analyzeShells(merged(large, boxMesh({{4, 4, 0}}, {{6, 6, 2}})))) ==
           std::vector<int>{0, 1});
@@ -110,7 +107,7 @@ TEST_CASE("a box encloses another on the inner side of a common wall, not on the
           std::vector<int>{0, 0});
 }
 
-TEST_CASE("only closed pieces enclose others", "[mesh]") {
+TEST_CASE("only closed pieces enclose others") {
     auto outer = ballMesh(10, 2);
     outer.triangles.pop_back();
     const auto analysis = analyzeShells(merged(outer, ballMesh(5, 2)));
@@ -119,7 +116,7 @@ TEST_CASE("only closed pieces enclose others", "[mesh]") {
     CHECK(depths(analysis) == std::vector<int>{0, 0});
 }
 
-TEST_CASE("boundary edges agree with a count over all pairs", "[mesh]") {
+TEST_CASE("boundary edges agree with a count over all pairs") {
     const auto seed = GENERATE(range(1u, 21u));
     CAPTURE(seed);
     RandomStream random(seed, 1);
@@ -127,8 +124,7 @@ TEST_CASE("boundary edges agree with a count over all pairs", "[mesh]") {
     mesh = shuffled(mesh, seed);
     mesh.triangles.resize(mesh.triangles.size() - random.bits() % 100);
     const auto analysis = analyzeShells(mesh);
-    std::size_t boundary = 0;
-    std::size_t triangles = 0;
+    std::size_t boundary = 0, triangles = 0;
     for (const auto& shell : analysis.shells) {
         boundary += shell.boundaryEdges;
         triangles += shell.triangles;
@@ -137,7 +133,7 @@ TEST_CASE("boundary edges agree with a count over all pairs", "[mesh]") {
     CHECK(triangles == mesh.triangles.size());
 }
 
-TEST_CASE("volumes keep their digits far from the origin", "[mesh]") {
+TEST_CASE("volumes keep their digits far from the origin") {
     const double shift = GENERATE(0.0, 1e4, 1e6);
     CAPTURE(shift);
     // Whole numbers and halves: moving the boxes rounds nothing.
@@ -150,7 +146,7 @@ TEST_CASE("volumes keep their digits far from the origin", "[mesh]") {
     CHECK(analysis.shells[1].signedVolume == Approx(0.125).epsilon(1e-14));
 }
 
-TEST_CASE("triangles that name a vertex twice open no hole and make no piece", "[mesh]") {
+TEST_CASE("triangles that name a vertex twice open no hole and make no piece") {
     auto mesh = boxMesh({{0, 0, 0}}, {{1, 1, 1}});
     mesh.triangles.insert(mesh.triangles.begin(), {0, 0, 1});
     mesh.triangles.push_back({5, 5, 5});
@@ -161,7 +157,7 @@ TEST_CASE("triangles that name a vertex twice open no hole and make no piece", "
     CHECK(analysis.enclosedVolume() == Approx(1));
 }
 
-TEST_CASE("thousands of pieces are nested in linear time", "[mesh][long]") {
+TEST_CASE("thousands of pieces are nested in linear time", "[long]") {
     TriangleMesh mesh = boxMesh({{-1, -1, -1}}, {{61, 61, 61}});
     const auto ball = ballMesh(0.4, 0);
     mesh.vertices.reserve(30000 * ball.vertices.size());
@@ -174,6 +170,3 @@ TEST_CASE("thousands of pieces are nested in linear time", "[mesh][long]") {
     const double one = analyzeShells(ball).enclosedVolume();
     CHECK(analysis.enclosedVolume() == Approx(62.0 * 62 * 62 - 27000 * one).epsilon(1e-10));
 }
-
-}  // namespace
-}  // namespace vdbpack::test

@@ -1,21 +1,22 @@
 // Triangles of polygons: they cover the polygon once, whatever its shape.
+#include "support/test.h"
+
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/mesh/polygon.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <utility>
-
-using namespace vdbpack;
 
 namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 using Outline = std::vector<Vec<3>>;
+
+/// Corners from x and y in turn.
+Outline flat(const std::vector<double>& numbers) {
+    Outline corners;
+    for (std::size_t k = 0; k < numbers.size(); k += 2)
+        corners.push_back({{numbers[k], numbers[k + 1], 0}});
+    return corners;
+}
 
 Vec<3> normalOf(const Outline& corners, const std::array<std::uint32_t, 3>& t) {
     return cross(corners[t[1]] - corners[t[0]], corners[t[2]] - corners[t[0]]) * 0.5;
@@ -71,32 +72,14 @@ void requireCovered(const Outline& corners) {
 
 }  // namespace
 
-TEST_CASE("concave polygons are covered once, from whichever corner they begin",
-          "[mesh][polygon]") {
+TEST_CASE("concave polygons are covered once, from whichever corner they begin") {
     const std::vector<Outline> outlines{
-        {{{0, 0, 0}}, {{50, 0, 0}}, {{50, 20, 0}}, {{20, 20, 0}}, {{20, 60, 0}}, {{0, 60, 0}}},
-        {{{0, 0, 0}}, {{4, 2, 0}}, {{0, 4, 0}}, {{1, 2, 0}}},  // an arrowhead
+        flat({0, 0, 50, 0, 50, 20, 20, 20, 20, 60, 0, 60}),
+        flat({0, 0, 4, 2, 0, 4, 1, 2}),  // an arrowhead
         // Corners within straight sides.
-        {{{0, 0, 0}},
-         {{2, 0, 0}},
-         {{5, 0, 0}},
-         {{5, 1, 0}},
-         {{2, 1, 0}},
-         {{2, 2, 0}},
-         {{2, 6, 0}},
-         {{0, 6, 0}},
-         {{0, 1, 0}}},
+        flat({0, 0, 2, 0, 5, 0, 5, 1, 2, 1, 2, 2, 2, 6, 0, 6, 0, 1}),
         // A square with a square hole, to which the outline runs and back.
-        {{{0, 0, 0}},
-         {{9, 0, 0}},
-         {{9, 9, 0}},
-         {{0, 9, 0}},
-         {{0, 0, 0}},
-         {{3, 3, 0}},
-         {{3, 6, 0}},
-         {{6, 6, 0}},
-         {{6, 3, 0}},
-         {{3, 3, 0}}}};
+        flat({0, 0, 9, 0, 9, 9, 0, 9, 0, 0, 3, 3, 3, 6, 6, 6, 6, 3, 3, 3})};
     for (const Outline& outline : outlines)
         for (std::size_t first = 0; first < outline.size(); ++first) {
             CAPTURE(outline.size(), first);
@@ -108,7 +91,7 @@ TEST_CASE("concave polygons are covered once, from whichever corner they begin",
         }
 }
 
-TEST_CASE("stars, combs and spirals of any number of corners are covered once", "[mesh][polygon]") {
+TEST_CASE("stars, combs and spirals of any number of corners are covered once") {
     const std::uint32_t corners = GENERATE(8u, 100u, 30000u);
     CAPTURE(corners);
     RandomStream random(3, 1);
@@ -130,7 +113,7 @@ TEST_CASE("stars, combs and spirals of any number of corners are covered once", 
     requireCovered(placed(spiral));
 }
 
-TEST_CASE("convex and nearly plane polygons stay fans from their first corner", "[mesh][polygon]") {
+TEST_CASE("convex and nearly plane polygons stay fans from their first corner") {
     Outline ring;
     for (int k = 0; k < 50; ++k) {
         const double angle = 2 * kPi * k / 50;
@@ -145,8 +128,7 @@ TEST_CASE("convex and nearly plane polygons stay fans from their first corner", 
     }
 }
 
-TEST_CASE("outlines that cross themselves are named, those without area are not",
-          "[mesh][polygon]") {
+TEST_CASE("outlines that cross themselves are named, those without area are not") {
     Triangles triangles;
     const Outline bowTie{{{0, 0, 0}}, {{2, 2, 0}}, {{2, 0, 0}}, {{0, 2, 0}}};
     const Outline loop{{{0, 0, 0}}, {{4, 4, 0}}, {{4, 0, 0}}, {{0, 3, 0}}, {{-2, 2, 0}}};

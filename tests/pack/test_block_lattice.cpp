@@ -1,14 +1,8 @@
-#include "vdbpack/core/error.h"
+#include "support/test.h"
+
 #include "vdbpack/pack/block_lattice.h"
 
-#include <catch2/catch.hpp>
-
-#include <set>
-
-using namespace vdbpack;
-
-TEMPLATE_TEST_CASE_SIG("blocks cover the domain and wait for lower neighbors only",
-                       "[pack][blocks]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("blocks cover the domain and wait for lower neighbors only") {
     Box<Dim> bounds;
     bounds.lo = Box<Dim>::filled(-3.3);
     bounds.hi = Box<Dim>::filled(41.7);
@@ -29,10 +23,8 @@ TEMPLATE_TEST_CASE_SIG("blocks cover the domain and wait for lower neighbors onl
     CHECK(lattice.longestChain() <= lattice.size());
 }
 
-TEST_CASE("of two blocks side by side one always waits for the other", "[pack][blocks]") {
-    Box<3> bounds;
-    bounds.lo = Box<3>::filled(0);
-    bounds.hi = Box<3>::filled(50);
+TEST_CASE("of two blocks side by side one always waits for the other") {
+    const Box<3> bounds{Box<3>::filled(0), Box<3>::filled(50)};
     const BlockLattice<3> lattice(bounds, 10, 2, 0x1p-20);
     std::set<std::pair<std::uint32_t, std::uint32_t>> waits;
     for (std::uint32_t b = 0; b < lattice.size(); ++b)
@@ -44,10 +36,8 @@ TEST_CASE("of two blocks side by side one always waits for the other", "[pack][b
         }
 }
 
-TEST_CASE("every row but the last few hands its pool on", "[pack][blocks]") {
-    Box<3> bounds;
-    bounds.lo = Box<3>::filled(0);
-    bounds.hi = Box<3>::filled(80);
+TEST_CASE("every row but the last few hands its pool on") {
+    const Box<3> bounds{Box<3>::filled(0), Box<3>::filled(80)};
     const BlockLattice<3> lattice(bounds, 10, 2, 0x1p-20);
     std::set<std::uint32_t> given;
     for (std::uint32_t b = 0; b < lattice.size(); ++b)
@@ -56,9 +46,7 @@ TEST_CASE("every row but the last few hands its pool on", "[pack][blocks]") {
     CHECK(lattice.size() - given.size() <= 16);
 }
 
-TEST_CASE("an absurd number of blocks is refused", "[pack][blocks]") {
-    Box<3> bounds;
-    bounds.lo = Box<3>::filled(0);
-    bounds.hi = Box<3>::filled(1e6);
+TEST_CASE("an absurd number of blocks is refused") {
+    const Box<3> bounds{Box<3>::filled(0), Box<3>::filled(1e6)};
     CHECK_THROWS_AS(BlockLattice<3>(bounds, 1, 0.2, 0x1p-20), ResourceError);
 }

@@ -1,18 +1,12 @@
 // Packs of equal spheres: dense, at random, and the denser the more effort is spent.
 #include "support/cube.h"
+#include "support/test.h"
 
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/verify/verify.h"
-
-#include <catch2/catch.hpp>
-
-#include <string>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -26,7 +20,7 @@ std::vector<Sphere<3>> packed(const Domain<3>& domain, Effort effort, const std:
 
 }  // namespace
 
-TEST_CASE("equal spheres are packed densely and at random", "[pack]") {
+TEST_CASE("equal spheres are packed densely and at random") {
     const auto domain = boxDomain<3>(cube<3>(50));
     for (const std::string spec : {"constant:1", "uniform:0.97,1.03", "uniform:0.9,1.1"}) {
         CAPTURE(spec);
@@ -45,7 +39,7 @@ TEST_CASE("equal spheres are packed densely and at random", "[pack]") {
     }
 }
 
-TEST_CASE("a front of equal spheres is the same for any number of threads", "[pack]") {
+TEST_CASE("a front of equal spheres is the same for any number of threads") {
     const auto domain = ballDomain<3>(24);
     const auto one = packed(*domain, Effort::normal, "constant:1", 1);
     for (const int threads : {2, 3, 8}) {
@@ -54,7 +48,7 @@ TEST_CASE("a front of equal spheres is the same for any number of threads", "[pa
     }
 }
 
-TEST_CASE("a cell of equal spheres without walls is packed as densely as a box inside", "[pack]") {
+TEST_CASE("a cell of equal spheres without walls is packed as densely as a box inside") {
     PeriodicCell<3> cell;
     cell.box = cube<3>(41);
     cell.wraps = {true, true, true};

@@ -2,25 +2,15 @@
 #include "support/cube.h"
 #include "support/paths.h"
 #include "support/random_point.h"
+#include "support/sizes.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/verify/verify.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <string>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -77,17 +67,6 @@ std::vector<double> radiiOf(const std::vector<Sphere<Dim>>& spheres, const Domai
     return radii;
 }
 
-double ksDistance(const std::vector<double>& radii, const SizeDistribution& sizes) {
-    double ks = 0;
-    const auto n = static_cast<double>(radii.size());
-    for (std::size_t i = 0; i < radii.size(); ++i) {
-        const double share = sizes.cdf(radii[i]);
-        ks = std::max(
-            {ks, share - static_cast<double>(i) / n, static_cast<double>(i + 1) / n - share});
-    }
-    return ks;
-}
-
 /// The largest room at some points, in local mean radii.
 template <int Dim>
 double largestVacancy(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
@@ -111,50 +90,16 @@ double largestVacancy(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>
     return largest;
 }
 
-template <int Dim>
-bool isSame(const std::vector<Sphere<Dim>>& a, const std::vector<Sphere<Dim>>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& s, const auto& t) {
-        return s.center == t.center && s.radius == t.radius;
-    });
-}
-
 }  // namespace
 
-TEST_CASE("a size field is linear between its nodes, and knows bounds of its values", "[pack]") {
-    const Box<3> box{{{-3, 0, 2}}, {{7, 5, 9}}};
-    const auto linear = [](const Vec<3>& x) { return 20 + x[0] - 2 * x[1] + 0.5 * x[2]; };
-    const SizeField field(box, {{0.3, 0.1, 0.2}}, 0.25, linear);
-    RandomStream random(1, 1);
-    for (int k = 0; k < 300; ++k) {
-        const Vec<3> x = randomPoint(random, box), y = randomPoint(random, box);
-        CHECK(field.at(x) == Approx(linear(x)).margin(1e-5));
-        Box<3> part;
-        part.add(x);
-        part.add(y);
-        const auto [least, most] = field.within(part);
-        const Vec<3> z = randomPoint(random, part);
-        CHECK(least <= field.at(z) + 1e-5);
-        CHECK(most >= field.at(z) - 1e-5);
-        // Not wider than a few nodes, or a share of a long box.
-        const Vec<3> size = part.size();
-        const double wider = 1 + 0.5 * *std::max_element(size.c.begin(), size.c.end());
-        const Vec<3> low{{part.lo[0], part.hi[1], part.lo[2]}};
-        const Vec<3> high{{part.hi[0], part.lo[1], part.hi[2]}};
-        CHECK(least >= linear(low) - 3.5 * wider);
-        CHECK(most <= linear(high) + 3.5 * wider);
-    }
-    CHECK(field.at(Vec<3>{{-100, 0, 2}}) == Approx(field.at(Vec<3>{{-3.2, 0, 2}})).margin(0.3));
-}
-
-TEST_CASE("a size field of the plane has one layer", "[pack]") {
+TEST_CASE("a size field of the plane has one layer") {
     const Box<3> box{{{0, 0, 4}}, {{10, 10, 4}}};
     const SizeField field(box, {}, 0.5, [](const Vec<3>& x) { return 1 + x[0] + x[2]; });
     CHECK(field.at(Vec<2>{{3.25, 7}}) == Approx(8.25));
     CHECK(field.within(Box<2>{{{2, 2}}, {{3, 3}}}).most == Approx(8).margin(1.1));
 }
 
-TEMPLATE_TEST_CASE_SIG("radii follow a field, and the field alone", "[pack]", ((int Dim), Dim), 2,
-                       3) {
+DIM_TEST_CASE("radii follow a field, and the field alone") {
     const auto domain = boxDomain<Dim>(cube<Dim>(kEdge<Dim>));
     const bool jumps = GENERATE(false, true);
     CAPTURE(Dim, jumps);
@@ -165,15 +110,14 @@ TEMPLATE_TEST_CASE_SIG("radii follow a field, and the field alone", "[pack]", ((
     CHECK(radii.front() >= 1 - kMet);
     CHECK(radii.back() <= 2 * (1 + kMet));
     // 64 radii stay pending.
-    CHECK(ksDistance(radii, options.sizes) < 0.02 + 32.0 / static_cast<double>(radii.size()));
+    CHECK(ksOf(radii, options.sizes) < 0.02 + 32.0 / static_cast<double>(radii.size()));
     CHECK(checkOverlap(pack).max == 0);
     const auto inside = domain->sampler();
     for (const auto& s : pack) REQUIRE(-inside->signedDistance(s.center) >= s.radius);
     CHECK(largestVacancy(pack, *domain, options) < 1.1);
 }
 
-TEMPLATE_TEST_CASE_SIG("a pack of sizes by place is the same for any number of threads", "[pack]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a pack of sizes by place is the same for any number of threads") {
     const auto domain = ballDomain<Dim>(Dim == 3 ? 29 : 60);  // blocks of 8 largest radii
     PackOptions options = withFactor<Dim>(*domain, ramp<Dim>);
     options.blockSide = 16;
@@ -182,12 +126,11 @@ TEMPLATE_TEST_CASE_SIG("a pack of sizes by place is the same for any number of t
     REQUIRE(alone.blocks > 1);
     for (const int threads : {2, 3, 8}) {
         options.threads = threads;
-        CHECK(isSame(packSpheres(*domain, options).pack.spheres, alone.pack.spheres));
+        CHECK(packSpheres(*domain, options).pack.spheres == alone.pack.spheres);
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("a factor of 1 everywhere gives a pack of the same kind", "[pack]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a factor of 1 everywhere gives a pack of the same kind") {
     const auto domain = boxDomain<Dim>(cube<Dim>(kEdge<Dim>));
     PackOptions options = withFactor<Dim>(*domain, [](const Vec<3>&) { return 1.0; });
     const auto fraction = [&] {
@@ -201,7 +144,7 @@ TEMPLATE_TEST_CASE_SIG("a factor of 1 everywhere gives a pack of the same kind",
     CHECK(local == Approx(fraction()).margin(0.004));
 }
 
-TEMPLATE_TEST_CASE_SIG("a shell has radii of its own", "[pack]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a shell has radii of its own") {
     const auto domain = ballDomain<Dim>(0.5 * kEdge<Dim>);
     PackOptions options(SizeDistribution::uniform(1, 2));
     options.local.shellSizes = SizeDistribution::uniform(0.4, 0.8);
@@ -214,13 +157,13 @@ TEMPLATE_TEST_CASE_SIG("a shell has radii of its own", "[pack]", ((int Dim), Dim
         REQUIRE(radii.size() > 200);
         CHECK(radii.front() >= sizes.min());
         CHECK(radii.back() <= sizes.max() * (1 + 1e-6));
-        CHECK(ksDistance(radii, sizes) < 0.01 + 32.0 / static_cast<double>(radii.size()));
+        CHECK(ksOf(radii, sizes) < 0.01 + 32.0 / static_cast<double>(radii.size()));
     }
     CHECK(checkOverlap(pack).max == 0);
     CHECK(largestVacancy(pack, *domain, options) < 1.1);
 }
 
-TEST_CASE("a shell thinner than the spheres below it has radii of its own, too", "[pack]") {
+TEST_CASE("a shell thinner than the spheres below it has radii of its own, too") {
     // Along the curved wall of a bone, spheres move where they come to touch it.
     FieldOptions field;
     field.detail = 0.4;
@@ -237,13 +180,13 @@ TEST_CASE("a shell thinner than the spheres below it has radii of its own, too",
         REQUIRE(radii.size() > 1000);
         CHECK(radii.front() >= sizes.min() * (1 - 1e-6));
         CHECK(radii.back() <= sizes.max() * (1 + 1e-6));
-        CHECK(ksDistance(radii, sizes) < 0.01);
+        CHECK(ksOf(radii, sizes) < 0.01);
     }
     CHECK(checkOverlap(pack).max == 0);
     CHECK(largestVacancy<3>(pack, *domain, options) < 1.1);
 }
 
-TEST_CASE("a gap is kept between spheres of sizes by place", "[pack]") {
+TEST_CASE("a gap is kept between spheres of sizes by place") {
     const auto domain = boxDomain<3>(cube<3>(24));
     PackOptions options = withFactor<3>(*domain, ramp<3>);
     options.gap = 0.1;
@@ -256,7 +199,7 @@ TEST_CASE("a gap is kept between spheres of sizes by place", "[pack]") {
     CHECK(radii.back() <= 2 * (1 + kMet));
 }
 
-TEST_CASE("a target count scales the radii of all places alike", "[pack]") {
+TEST_CASE("a target count scales the radii of all places alike") {
     const auto domain = ballDomain<3>(18);
     PackOptions options = withFactor<3>(*domain, ramp<3>);
     options.local.shellSizes = SizeDistribution::uniform(0.5, 1);
@@ -268,7 +211,7 @@ TEST_CASE("a target count scales the radii of all places alike", "[pack]") {
     CHECK(radii.back() <= options.sizes.max() * (1 + kMet));
 }
 
-TEST_CASE("factors beyond the limits are refused with their values", "[pack]") {
+TEST_CASE("factors beyond the limits are refused with their values") {
     const auto domain = boxDomain<3>(cube<3>(24));
     PackOptions options =
         withFactor<3>(*domain, [](const Vec<3>& x) { return x[0] > 0 ? 30.0 : 1.0; });

@@ -1,34 +1,16 @@
 // Gaps, spheres that stand already, other orders and mixtures of very different sizes.
-#include "vdbpack/core/error.h"
+#include "support/cube.h"
+#include "support/random_point.h"
+#include "support/test.h"
+
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/inset_domain.h"
+#include "vdbpack/measure/density.h"
 #include "vdbpack/pack/front/cell_list.h"
 #include "vdbpack/pack/packer.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <limits>
-#include <set>
-
-using namespace vdbpack;
-
 namespace {
-
-template <int Dim>
-std::shared_ptr<const Domain<Dim>> box(double side) {
-    return boxDomain<Dim>({Box<Dim>::filled(-side / 2), Box<Dim>::filled(side / 2)});
-}
-
-template <int Dim>
-double fraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain) {
-    double sum = 0;
-    for (const auto& s : spheres) sum += Measure<Dim>::ball(s.radius);
-    return sum / domain.volume();
-}
 
 /// The smallest gap between a sphere of `a` and another one of `b`.
 template <int Dim>
@@ -51,16 +33,16 @@ double smallestWallGap(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim
 
 }  // namespace
 
-TEST_CASE("nothing is placed beside existing spheres where nothing can fit", "[pack]") {
+TEST_CASE("nothing is placed beside existing spheres where nothing can fit") {
     PackOptions options(SizeDistribution::parse("constant:11", 3));
-    const auto domain = box<3>(20);
+    const auto domain = boxDomain<3>(cube<3>(20));
     const auto result = packSpheres(*domain, options, {}, {{{{0, 0, 0}}, 1}});
     CHECK(result.pack.spheres.empty());
     CHECK(result.quantum > 0);
-    CHECK_THROWS_WITH(packSpheres(*domain, options), Catch::Contains("fits"));
+    CHECK_THROWS_WITH(packSpheres(*domain, options), Contains("fits"));
 }
 
-TEST_CASE("packing around a heap of spheres stops before its first sphere if asked to", "[pack]") {
+TEST_CASE("packing around a heap of spheres stops before its first sphere if asked to") {
     std::vector<Sphere<3>> heap;
     for (int i = 0; i < 1000; ++i)
         heap.push_back({{{0.6 * (i % 10) - 3, 0.6 * (i / 10 % 10) - 3, 0.6 * (i / 100) - 3}}, 1});
@@ -69,19 +51,18 @@ TEST_CASE("packing around a heap of spheres stops before its first sphere if ask
     int asked = 0;
     Callbacks callbacks;
     callbacks.cancelled = [&] { return ++asked > 5; };
-    const auto result = packSpheres(*box<3>(20), options, callbacks, heap);
+    const auto result = packSpheres(*boxDomain<3>(cube<3>(20)), options, callbacks, heap);
     CHECK(result.interrupted);
     CHECK(result.pack.spheres.empty());
     CHECK(asked < 20);
 }
 
-TEMPLATE_TEST_CASE_SIG("a gap is kept between spheres and to the wall", "[pack]", ((int Dim), Dim),
-                       2, 3) {
+DIM_TEST_CASE("a gap is kept between spheres and to the wall") {
     const double wanted = GENERATE(0.05, 0.4, 2.0);
     const bool round = GENERATE(false, true);
     CAPTURE(Dim, wanted, round);
     const double size = Dim == 3 ? 36 : 90;
-    const auto domain = round ? ballDomain<Dim>(size / 2) : box<Dim>(size);
+    const auto domain = round ? ballDomain<Dim>(size / 2) : boxDomain<Dim>(cube<Dim>(size));
     PackOptions options(SizeDistribution::parse("uniform:1,2", Dim));
     options.gap = wanted;
     options.blockSide = 16;
@@ -103,37 +84,35 @@ TEMPLATE_TEST_CASE_SIG("a gap is kept between spheres and to the wall", "[pack]"
     // Spheres grown by half the gap, in a domain that is as much smaller, are packed as ever.
     std::vector<Sphere<Dim>> grown = result.pack.spheres;
     for (auto& s : grown) s.radius += wanted / 2;
-    CHECK(fraction(grown, *domain) > (Dim == 3 ? 0.38 : 0.65));
+    CHECK(solidFraction(grown, *domain) > (Dim == 3 ? 0.38 : 0.65));
 }
 
-TEST_CASE("a gap that makes no sense is refused, and one that leaves no room says so", "[pack]") {
-    const auto domain = box<3>(10);
+TEST_CASE("a gap that makes no sense is refused, and one that leaves no room says so") {
+    const auto domain = boxDomain<3>(cube<3>(10));
     PackOptions options(SizeDistribution::parse("uniform:1,2", 3));
     for (const double gap : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
         options.gap = gap;
         CHECK_THROWS_AS(packSpheres(*domain, options), ParameterError);
     }
     options.gap = 4.5;
-    CHECK_THROWS_WITH(packSpheres(*domain, options),
-                      Catch::Contains("0.5 mm") && Catch::Contains("(0, 0, 0)"));
+    CHECK_THROWS_WITH(packSpheres(*domain, options), Contains("0.5 mm") && Contains("(0, 0, 0)"));
     options.gap = 50;
     CHECK_THROWS_AS(packSpheres(*domain, options), InputError);
 }
 
-TEMPLATE_TEST_CASE_SIG("an inset domain is the shape with a smaller size", "[pack]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("an inset domain is the shape with a smaller size") {
     // A box and a ball moved inwards are a box and a ball.
     constexpr double kInset = 1.5;
     const std::pair<std::shared_ptr<const Domain<Dim>>, std::shared_ptr<const Domain<Dim>>>
-        pairs[] = {{box<Dim>(20), box<Dim>(17)}, {ballDomain<Dim>(10), ballDomain<Dim>(8.5)}};
+        pairs[] = {{boxDomain<Dim>(cube<Dim>(20)), boxDomain<Dim>(cube<Dim>(17))},
+                   {ballDomain<Dim>(10), ballDomain<Dim>(8.5)}};
     RandomStream random(3, Dim);
     for (const auto& [outer, expected] : pairs) {
         const auto inset = insetDomain(*outer, kInset);
         for (int d = 0; d < Dim; ++d) CHECK(inset->bounds().lo[d] == expected->bounds().lo[d]);
         const auto mine = inset->sampler(), oracle = expected->sampler();
         for (int k = 0; k < 2000; ++k) {
-            Vec<Dim> x;
-            for (int d = 0; d < Dim; ++d) x[d] = 24 * random.uniform() - 12;
+            const Vec<Dim> x = randomPoint(random, cube<Dim>(24));
             const double depth = -oracle->signedDistance(x);
             CHECK(mine->contains(x) == (depth > 0));
             if (depth < 0) continue;  // outside only the sign counts
@@ -147,12 +126,11 @@ TEMPLATE_TEST_CASE_SIG("an inset domain is the shape with a smaller size", "[pac
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("spheres that stand already are kept off, whatever their size", "[pack]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("spheres that stand already are kept off, whatever their size") {
     const double gap = GENERATE(0.0, 0.3);
     CAPTURE(Dim, gap);
     const double side = Dim == 3 ? 60 : 150;
-    const auto domain = box<Dim>(side);
+    const auto domain = boxDomain<Dim>(cube<Dim>(side));
     // Small ones, one like the new ones, a large one through the wall, two that overlap, one that
     // reaches in from far outside, and one that has nothing to do with it.
     std::vector<Sphere<Dim>> existing;
@@ -188,17 +166,16 @@ TEMPLATE_TEST_CASE_SIG("spheres that stand already are kept off, whatever their 
     int free = 0;
     constexpr int kPoints = 20000;
     for (int k = 0; k < kPoints; ++k) {
-        Vec<Dim> x;
-        for (int d = 0; d < Dim; ++d) x[d] = side * (random.uniform() - 0.5);
+        const Vec<Dim> x = randomPoint(random, cube<Dim>(side));
         free += std::all_of(existing.begin(), existing.end(),
                             [&](const Sphere<Dim>& s) { return length(x - s.center) > s.radius; });
     }
     if (gap == 0)
-        CHECK(fraction(one.pack.spheres, *domain) * kPoints / free > (Dim == 3 ? 0.59 : 0.78));
+        CHECK(solidFraction(one.pack.spheres, *domain) * kPoints / free > (Dim == 3 ? 0.59 : 0.78));
 }
 
-TEST_CASE("a full pack takes no more spheres of its kind", "[pack]") {
-    const auto domain = box<3>(40);
+TEST_CASE("a full pack takes no more spheres of its kind") {
+    const auto domain = boxDomain<3>(cube<3>(40));
     PackOptions options(SizeDistribution::parse("uniform:1,2", 3));
     const auto first = packSpheres(*domain, options);
     options.seed = 2;
@@ -212,10 +189,10 @@ TEST_CASE("a full pack takes no more spheres of its kind", "[pack]") {
     CHECK(smallestGap(third.pack.spheres, first.pack.spheres) >= 0);
 }
 
-TEMPLATE_TEST_CASE_SIG("every order gives a sound pack", "[pack]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("every order gives a sound pack") {
     const Order order = GENERATE(Order::sweep, Order::wall, Order::center, Order::fifo);
     CAPTURE(Dim, static_cast<int>(order));
-    const auto domain = box<Dim>(Dim == 3 ? 40 : 120);
+    const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 40 : 120));
     PackOptions options(SizeDistribution::parse("uniform:1,2", Dim));
     options.order = order;
     options.threads = 2;
@@ -223,7 +200,7 @@ TEMPLATE_TEST_CASE_SIG("every order gives a sound pack", "[pack]", ((int Dim), D
     const auto& spheres = result.pack.spheres;
     CHECK(smallestGap(spheres, spheres) >= 0);
     CHECK(smallestWallGap(spheres, *domain) >= 0);
-    CHECK(fraction(spheres, *domain) > (Dim == 3 ? 0.52 : 0.75));
+    CHECK(solidFraction(spheres, *domain) > (Dim == 3 ? 0.52 : 0.75));
     if (order != Order::sweep) CHECK(result.blocks == 1);
     // Depth of the first tenth against all: wall first is shallow, from the middle deep.
     const auto sampler = domain->sampler();
@@ -237,24 +214,21 @@ TEMPLATE_TEST_CASE_SIG("every order gives a sound pack", "[pack]", ((int Dim), D
     if (order == Order::center || order == Order::fifo) CHECK(first > 1.5 * all);
 }
 
-TEST_CASE("few large spheres among many small ones", "[pack]") {
+TEST_CASE("few large spheres among many small ones") {
     // 9 % of radius 3 to 10 among radii of 1 to 2: neighbors are sought for the common ones alone.
-    const std::string file = "mixture_for_test.csv";
-    {
-        std::ofstream out(file);
-        out << "radius,weight\n";
-        for (int i = 0; i < 20; ++i)
-            out << 1 + i / 20.0 << ",0.0475\n" << 3 + 7 * i / 20.0 << ",0.0025\n";
+    std::vector<double> radii, weights;
+    for (int i = 0; i < 20; ++i) {
+        radii.insert(radii.end(), {1 + i / 20.0, 3 + 7 * i / 20.0});
+        weights.insert(weights.end(), {0.0475, 0.0025});
     }
-    PackOptions options(SizeDistribution::parse("table:" + file, 3));
-    std::remove(file.c_str());
-    const auto domain = box<3>(90);
+    PackOptions options(SizeDistribution::table(radii, weights));
+    const auto domain = boxDomain<3>(cube<3>(90));
     options.threads = 1;
     const auto result = packSpheres(*domain, options);
     const auto& spheres = result.pack.spheres;
     CHECK(smallestGap(spheres, spheres) >= 0);
     CHECK(smallestWallGap(spheres, *domain) >= 0);
-    CHECK(fraction(spheres, *domain) > 0.64);
+    CHECK(solidFraction(spheres, *domain) > 0.64);
     const auto large = std::count_if(spheres.begin(), spheres.end(),
                                      [](const Sphere<3>& s) { return s.radius >= 3; });
     CHECK(static_cast<double>(large) > 0.02 * static_cast<double>(spheres.size()));
@@ -262,8 +236,7 @@ TEST_CASE("few large spheres among many small ones", "[pack]") {
     CHECK(packSpheres(*domain, options).pack.spheres == spheres);
 }
 
-TEMPLATE_TEST_CASE_SIG("a cell list finds the spheres in reach among sizes of all kinds", "[pack]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a cell list finds the spheres in reach among sizes of all kinds") {
     RandomStream random(9, Dim);
     CellList<Dim> cells;
     for (int round = 0; round < 5; ++round) {
@@ -277,8 +250,8 @@ TEMPLATE_TEST_CASE_SIG("a cell list finds the spheres in reach among sizes of al
             spheres.push_back(s);
         }
         for (int k = 0; k < 200; ++k) {
-            Vec<Dim> x;
-            for (int d = 0; d < Dim; ++d) x[d] = 44 * random.uniform() - 2;
+            const Vec<Dim> x =
+                randomPoint(random, Box<Dim>{Box<Dim>::filled(-2), Box<Dim>::filled(42)});
             const double reach = 5 * random.uniform();
             std::set<std::uint32_t> found;
             cells.near(x, reach, [&](std::uint32_t i) {

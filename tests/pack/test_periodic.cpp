@@ -1,5 +1,6 @@
 // Periodic cells: the front, densifying, checks and measures across their faces.
-#include "vdbpack/core/error.h"
+#include "support/test.h"
+
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/measure/bond_order.h"
@@ -9,17 +10,6 @@
 #include "vdbpack/pack/block_lattice.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/verify/verify.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <set>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
 
 namespace {
 
@@ -86,8 +76,7 @@ constexpr double kTolerance = 1e-3;
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("no two spheres of a periodic pack overlap across its faces",
-                       "[pack][periodic]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("no two spheres of a periodic pack overlap across its faces") {
     const auto seed = GENERATE(range(1u, 4u));
     const auto axes = GENERATE(as<std::string>(), "xyz", "x", "xy");
     const bool plane = Dim == 2;
@@ -110,13 +99,13 @@ TEMPLATE_TEST_CASE_SIG("no two spheres of a periodic pack overlap across its fac
     if (cell.all()) CHECK(contacts.largestComponent > 0.98);
 }
 
-TEST_CASE("a periodic pack is the same for any number of threads", "[pack][periodic]") {
+TEST_CASE("a periodic pack is the same for any number of threads") {
     const auto cell = cellOf<3>({62, 50, 41});
     const auto once = packIn<3>(cell, 5, 1).pack.spheres;
     for (const int threads : {2, 3, 8}) CHECK(packIn<3>(cell, 5, threads).pack.spheres == once);
 }
 
-TEST_CASE("a periodic cell is as dense as the inside of a box", "[pack][periodic]") {
+TEST_CASE("a periodic cell is as dense as the inside of a box") {
     const auto cell = cellOf<3>({62, 62, 62});
     const auto pack = packIn<3>(cell).pack;
     CHECK(solidFraction(pack.spheres, *periodicDomain<3>(cell)) > 0.63);
@@ -124,14 +113,14 @@ TEST_CASE("a periodic cell is as dense as the inside of a box", "[pack][periodic
     CHECK(solidFraction(packIn<2>(flat).pack.spheres, *periodicDomain<2>(flat)) > 0.82);
 }
 
-TEST_CASE("a cell shorter than four diameters is refused", "[pack][periodic]") {
+TEST_CASE("a cell shorter than four diameters is refused") {
     CHECK_THROWS_AS(packIn<3>(cellOf<3>({15.9, 40, 40})), InputError);
     CHECK_NOTHROW(packIn<3>(cellOf<3>({15.9, 40, 40}, "yz")));
     const auto cell = cellOf<3>({40, 40, 40});
     CHECK_THROWS_AS(packIn<3>(cell, 1, 0, {{cell.box.center(), 6}}), InputError);
 }
 
-TEST_CASE("a periodic pack goes around existing spheres and keeps the gap", "[pack][periodic]") {
+TEST_CASE("a periodic pack goes around existing spheres and keeps the gap") {
     const auto cell = cellOf<3>({30, 30, 30});
     const Sphere<3> corner{cell.box.lo, 3};  // in all eight corners
     const Sphere<3> beyond{cell.box.center() + Vec<3>{{cell.length(0), 0, 0}}, 2};
@@ -143,8 +132,7 @@ TEST_CASE("a periodic pack goes around existing spheres and keeps the gap", "[pa
     CHECK(allPairs<3>(all, cell, 0).smallestGap >= 0.2 * (1 - 1e-6));
 }
 
-TEMPLATE_TEST_CASE_SIG("blocks of a cell wait for neighbors across its faces without cycles",
-                       "[pack][blocks][periodic]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("blocks of a cell wait for neighbors across its faces without cycles") {
     const double length = GENERATE(17.0, 28.0, 55.0, 90.0);
     auto cell = cellOf<Dim>({length, 40, 28});
     const BlockLattice<Dim> lattice(cell.box, 10, 2, 0x1p-20, cell);
@@ -171,7 +159,7 @@ TEMPLATE_TEST_CASE_SIG("blocks of a cell wait for neighbors across its faces wit
     CHECK(lattice.longestChain() <= lattice.size());
 }
 
-TEST_CASE("overlaps across the faces of a cell are found", "[verify][periodic]") {
+TEST_CASE("overlaps across the faces of a cell are found") {
     const auto cell = cellOf<3>({20, 20, 20}, "xz");
     const Vec<3> lo = cell.box.lo, hi = cell.box.hi;
     const std::vector<Sphere<3>> spheres{{{{lo[0] + 0.5, lo[1] + 5, lo[2] + 0.5}}, 1},
@@ -192,8 +180,7 @@ TEST_CASE("overlaps across the faces of a cell are found", "[verify][periodic]")
     CHECK_THROWS_AS(checkOverlap<3>({{lo, 6}}, cell), InputError);
 }
 
-TEMPLATE_TEST_CASE_SIG("measures of a cell and of its shifted copy are equal",
-                       "[measure][periodic]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("measures of a cell and of its shifted copy are equal") {
     const auto cell = Dim == 3 ? cellOf<Dim>({25, 21, 24}) : cellOf<Dim>({70, 55, 0});
     const auto spheres = packIn<Dim>(cell).pack.spheres;
     Vec<Dim> by;
@@ -220,8 +207,7 @@ TEMPLATE_TEST_CASE_SIG("measures of a cell and of its shifted copy are equal",
     CHECK_THROWS_AS(pairCorrelation<Dim>(spheres, {}, 30, volume, 50, {}, cell), ParameterError);
 }
 
-TEMPLATE_TEST_CASE_SIG("densified periodic packs have no overlaps across faces",
-                       "[densify][periodic]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("densified periodic packs have no overlaps across faces") {
     const auto axes = GENERATE(as<std::string>(), "xyz", "y");
     const auto cell = Dim == 3 ? cellOf<Dim>({24, 21, 24}, axes) : cellOf<Dim>({70, 55, 0}, axes);
     const auto domain = periodicDomain<Dim>(cell);
@@ -236,7 +222,7 @@ TEMPLATE_TEST_CASE_SIG("densified periodic packs have no overlaps across faces",
                       [&](const Sphere<Dim>& s) { return cell.wrapped(s.center) == s.center; }));
 }
 
-TEST_CASE("spheres that overlap across a face are moved apart", "[densify][periodic]") {
+TEST_CASE("spheres that overlap across a face are moved apart") {
     const auto cell = cellOf<3>({17, 17, 17});
     const auto domain = periodicDomain<3>(cell);
     auto spheres = shifted<3>(packIn<3>(cell).pack.spheres, cell, {{3, 4, 5}});
@@ -250,7 +236,7 @@ TEST_CASE("spheres that overlap across a face are moved apart", "[densify][perio
     CHECK(allPairs<3>(result.spheres, cell, 0).smallestGap >= 0);
 }
 
-TEST_CASE("a densified periodic pack is at its faces as elsewhere", "[densify][periodic]") {
+TEST_CASE("a densified periodic pack is at its faces as elsewhere") {
     const auto cell = cellOf<3>({62, 62, 62});
     const auto domain = periodicDomain<3>(cell);
     const double layer = cell.box.volume() - boxDomain<3>(cell.box)->volumeDeeperThan(4);
@@ -289,8 +275,7 @@ TEST_CASE("a densified periodic pack is at its faces as elsewhere", "[densify][p
     CHECK(std::fabs(larger) < 0.005);
 }
 
-TEST_CASE("a periodic pack stays as it was where a fraction cannot be reached",
-          "[densify][periodic]") {
+TEST_CASE("a periodic pack stays as it was where a fraction cannot be reached") {
     const auto cell = cellOf<3>({17, 17, 17});
     const auto domain = periodicDomain<3>(cell);
     const auto front = packIn<3>(cell).pack.spheres;

@@ -1,14 +1,9 @@
+#include "support/sizes.h"
+#include "support/test.h"
+
 #include "vdbpack/pack/radius_pool.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
-using namespace vdbpack;
-
-TEST_CASE("what a pool hands out follows the distribution, whatever is taken", "[pack][pool]") {
+TEST_CASE("what a pool hands out follows the distribution, whatever is taken") {
     const auto sizes = SizeDistribution::parse("uniform:1,2", 3);
     const auto seed = GENERATE(range(1u, 6u));
     // Always the largest, always the smallest, or alternating: the pool must not drift.
@@ -24,17 +19,11 @@ TEST_CASE("what a pool hands out follows the distribution, whatever is taken", "
         pool.take(k);
         REQUIRE(std::is_sorted(&taken[0], &taken[0]));
     }
-    std::sort(taken.begin(), taken.end());
-    double ks = 0;
-    for (std::size_t i = 0; i < taken.size(); ++i)
-        ks = std::max(ks, std::fabs(sizes.cdf(taken[i]) -
-                                    static_cast<double>(i) / static_cast<double>(taken.size())));
     // All that is missing are the radii still pending.
-    CHECK(ks < (static_cast<double>(pool.size()) + 20) / 20000);
+    CHECK(ksOf(taken, sizes) < (static_cast<double>(pool.size()) + 20) / 20000);
 }
 
-TEST_CASE("a pool is full and sorted, and has a radius up to the mean when it is asked to",
-          "[pack][pool]") {
+TEST_CASE("a pool is full and sorted, and has a radius up to the mean when it is asked to") {
     const auto sizes = SizeDistribution::parse("lognormal:1,0.5,0.3,3", 3);
     RadiusPool pool(sizes, 3, 1, 16);
     pool.refill();
@@ -51,7 +40,7 @@ TEST_CASE("a pool is full and sorted, and has a radius up to the mean when it is
     }
 }
 
-TEST_CASE("an absorbed pool loses nothing", "[pack][pool]") {
+TEST_CASE("an absorbed pool loses nothing") {
     const auto sizes = SizeDistribution::parse("uniform:1,2", 3);
     RadiusPool a(sizes, 1, 1, 32), b(sizes, 1, 2, 32);
     a.refill();
@@ -65,7 +54,7 @@ TEST_CASE("an absorbed pool loses nothing", "[pack][pool]") {
     for (std::size_t k = 0; k < 64; ++k) CHECK(a[k] == all[k]);
 }
 
-TEST_CASE("a pool notices that large radii leave it", "[pack][pool]") {
+TEST_CASE("a pool notices that large radii leave it") {
     const auto sizes = SizeDistribution::parse("uniform:1,2", 3);
     RadiusPool pool(sizes, 1, 1, 64);
     pool.refill();

@@ -1,18 +1,8 @@
 // A factor on radii as numbers at the nodes of a lattice: values, bounds and constancy.
 #include "support/random_point.h"
+#include "support/test.h"
 
-#include "vdbpack/core/rng.h"
 #include "vdbpack/pack/size_field.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -40,8 +30,7 @@ Box<3> randomBox(RandomStream& random) {
 
 }  // namespace
 
-TEST_CASE("a size field has the values of its nodes, and lies between them elsewhere",
-          "[size field]") {
+TEST_CASE("a size field has the values of its nodes, and lies between them elsewhere") {
     const SizeField field(kBounds, {}, kStep, uneven);
     RandomStream random(1, 1);
     for (int k = 0; k < 2000; ++k) {
@@ -66,7 +55,7 @@ TEST_CASE("a size field has the values of its nodes, and lies between them elsew
     }
 }
 
-TEST_CASE("the bounds of a size field within a box hold for all of its points", "[size field]") {
+TEST_CASE("the bounds of a size field within a box hold for all of its points") {
     for (const auto function : {&cubes, &uneven}) {
         const SizeField field(kBounds, {}, kStep, function);
         RandomStream random(2, 1);
@@ -97,8 +86,7 @@ TEST_CASE("the bounds of a size field within a box hold for all of its points", 
     }
 }
 
-TEST_CASE("a size field is constant in a box exactly where its nodes around that are equal",
-          "[size field]") {
+TEST_CASE("a size field is constant in a box exactly where its nodes around that are equal") {
     const SizeField field(kBounds, {}, kStep, cubes);
     RandomStream random(3, 1);
     int constant = 0;

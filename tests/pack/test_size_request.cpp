@@ -1,18 +1,9 @@
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/pack/size_distribution.h"
 
-#include <catch2/catch.hpp>
-
-#include <filesystem>
-#include <string>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-
-TEST_CASE("a requested distribution is that of its text in each dimension", "[size]") {
+TEST_CASE("a requested distribution is that of its text in each dimension") {
     const TemporaryFolder folder;
     const std::string table = folder.file("t.csv"), curve = folder.file("c.csv");
     putContent(table, "1,8\n2,1\n");
@@ -37,7 +28,7 @@ TEST_CASE("a requested distribution is that of its text in each dimension", "[si
     CHECK(request.in(dim, by).mean() == sizes.mean());
 }
 
-TEST_CASE("an empty text requests no distribution, and a malformed one is refused", "[size]") {
+TEST_CASE("an empty text requests no distribution, and a malformed one is refused") {
     CHECK(SizeRequest::parse("").empty());
     CHECK(SizeRequest().scaled(2).empty());
     CHECK(SizeRequest().spec().empty());

@@ -1,16 +1,8 @@
-#include "vdbpack/core/error.h"
+#include "support/test.h"
+
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/verify/verify.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-
-using namespace vdbpack;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -35,8 +27,7 @@ std::size_t countOf(const PackResult<Dim>& result, std::uint8_t species) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("two species fill a domain without overlap, each of its own radii",
-                       "[pack][species]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("two species fill a domain without overlap, each of its own radii") {
     const auto seed = GENERATE(1u, 2u, 3u);
     CAPTURE(Dim, seed);
     auto options = twoSpecies<Dim>(0.02);
@@ -53,8 +44,7 @@ TEMPLATE_TEST_CASE_SIG("two species fill a domain without overlap, each of its o
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("as many spheres are of a species as its probability says",
-                       "[pack][species]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("as many spheres are of a species as its probability says") {
     const double probability = GENERATE(0.005, 0.02);
     const auto domain =
         boxDomain<Dim>({Box<Dim>::filled(0), Box<Dim>::filled(Dim == 3 ? 100 : 600)});
@@ -70,8 +60,7 @@ TEMPLATE_TEST_CASE_SIG("as many spheres are of a species as its probability says
     REQUIRE(std::fabs(mean - 4) < 0.05);
 }
 
-TEMPLATE_TEST_CASE_SIG("a species keeps its depth below the wall", "[pack][species]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a species keeps its depth below the wall") {
     const double depth = 7;
     const auto domain = ball<Dim>();
     const auto result = packSpheres(*domain, twoSpecies<Dim>(0.05, depth));
@@ -83,8 +72,7 @@ TEMPLATE_TEST_CASE_SIG("a species keeps its depth below the wall", "[pack][speci
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("a pack of species is the same for any number of threads", "[pack][species]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a pack of species is the same for any number of threads") {
     auto options = twoSpecies<Dim>(0.03, 2);
     options.blockSide = 16;
     const auto domain = ball<Dim>();
@@ -98,7 +86,7 @@ TEMPLATE_TEST_CASE_SIG("a pack of species is the same for any number of threads"
     }
 }
 
-TEST_CASE("a species leaves out no layer at the faces of blocks", "[pack][species]") {
+TEST_CASE("a species leaves out no layer at the faces of blocks") {
     const auto domain = boxDomain<3>({Box<3>::filled(0), Box<3>::filled(80)});
     // Two blocks along each axis.
     std::array<double, 20> layers{};
@@ -122,7 +110,7 @@ TEST_CASE("a species leaves out no layer at the faces of blocks", "[pack][specie
     REQUIRE(layers[18] + layers[19] < 2.2 * (layers[0] + layers[1]));
 }
 
-TEST_CASE("a species that is never drawn leaves the pack as it is", "[pack][species]") {
+TEST_CASE("a species that is never drawn leaves the pack as it is") {
     PackOptions plain(SizeDistribution::parse("uniform:1,2", 3));
     const auto domain = ball<3>();
     auto options = twoSpecies<3>(0);
@@ -131,7 +119,7 @@ TEST_CASE("a species that is never drawn leaves the pack as it is", "[pack][spec
     REQUIRE(packSpheres(*domain, options).pack.spheres == packSpheres(*domain, plain).pack.spheres);
 }
 
-TEST_CASE("probabilities of species that are none are refused", "[pack][species]") {
+TEST_CASE("probabilities of species that are none are refused") {
     const auto domain = ball<3>();
     for (const double p : {-0.1, 1.0, 1.5, std::nan("")})
         REQUIRE_THROWS_WITH(packSpheres(*domain, twoSpecies<3>(p)), Contains("probability"));

@@ -1,20 +1,13 @@
-#include "support/temporary_folder.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/preview/color.h"
 #include "vdbpack/preview/picture.h"
 #include "vdbpack/preview/preview.h"
 
-#include <catch2/catch.hpp>
 #include <png.h>
 
-#include <cmath>
-#include <fstream>
 #include <iterator>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -43,13 +36,12 @@ std::vector<std::uint8_t> decoded(const std::string& bytes, int& width, int& hei
 
 }  // namespace
 
-TEST_CASE("a PNG file is read back with its pixels and texts", "[preview]") {
+TEST_CASE("a PNG file is read back with its pixels and texts") {
     const Picture image = noise(31, 17);
     const TemporaryFolder folder;
     const std::string path = folder.file("noise.png");
     writePng(image, path);
-    std::ifstream file(path, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    const std::string bytes = contentOf(path);
     CHECK(bytes == encodePng(image));
     int width = 0, height = 0;
     CHECK(decoded(bytes, width, height) == image.pixels);
@@ -58,7 +50,7 @@ TEST_CASE("a PNG file is read back with its pixels and texts", "[preview]") {
     CHECK(bytes.find("0.5 mm³ <&>") != std::string::npos);
 }
 
-TEST_CASE("a picture without enough pixels is refused, and no file is written", "[preview]") {
+TEST_CASE("a picture without enough pixels is refused, and no file is written") {
     Picture image = noise(4, 4);
     image.pixels.pop_back();
     CHECK_THROWS_AS(encodePng(image), ParameterError);
@@ -69,7 +61,7 @@ TEST_CASE("a picture without enough pixels is refused, and no file is written", 
     CHECK_THROWS_AS(writePng(noise(2, 2), folder.file("no/a.png")), IoError);
 }
 
-TEST_CASE("equal steps along the ramp are equal steps of lightness", "[preview]") {
+TEST_CASE("equal steps along the ramp are equal steps of lightness") {
     // Lightness of Oklab, from linear light; the constants are those of its definition.
     const auto lightness = [](const Color& c) {
         const double l = 0.4122214708 * c.r + 0.5363325363 * c.g + 0.0514459929 * c.b;
@@ -88,7 +80,7 @@ TEST_CASE("equal steps along the ramp are equal steps of lightness", "[preview]"
     CHECK(lightness(rampColor(7)) == high);
 }
 
-TEST_CASE("colors are unchanged by conversion to linear light and back", "[preview]") {
+TEST_CASE("colors are unchanged by conversion to linear light and back") {
     for (const std::uint32_t rgb : {0x000000u, 0xffffffu, 0x4a78a8u, 0x010203u, 0x80fe7fu}) {
         std::uint8_t back[3];
         toSrgb(fromSrgb(rgb), back);
@@ -97,17 +89,17 @@ TEST_CASE("colors are unchanged by conversion to linear light and back", "[previ
     }
 }
 
-TEST_CASE("texts of preview options are parsed, or refused with the expected form", "[preview]") {
+TEST_CASE("texts of preview options are parsed, or refused with the expected form") {
     CHECK(parsePreviewCut("y=-12.5").axis == 1);
     CHECK(parsePreviewCut("y=-12.5").at == -12.5);
     for (const char* bad : {"", "x", "x=", "w=1", "x=1mm", "x=nan", "x=inf", "1"}) {
         CAPTURE(bad);
-        CHECK_THROWS_WITH(parsePreviewCut(bad), Catch::Contains("x=V"));
+        CHECK_THROWS_WITH(parsePreviewCut(bad), Contains("x=V"));
     }
     CHECK(parsePreviewSize("640x480") == std::array<int, 2>{640, 480});
     for (const char* bad : {"", "640", "640x", "x480", "640x480x", "640 x 480", "1e3x10"}) {
         CAPTURE(bad);
-        CHECK_THROWS_WITH(parsePreviewSize(bad), Catch::Contains("1600x1200"));
+        CHECK_THROWS_WITH(parsePreviewSize(bad), Contains("1600x1200"));
     }
     for (const char* bad : {"0x100", "15x100", "100x20000", "-100x100"})
         CHECK_THROWS_AS(parsePreviewSize(bad), ParameterError);

@@ -1,16 +1,9 @@
-#include "vdbpack/core/error.h"
+#include "support/test.h"
+
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/preview/color.h"
 #include "vdbpack/preview/preview.h"
 #include "vdbpack/preview/section.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-
-using namespace vdbpack;
 
 namespace {
 
@@ -62,7 +55,7 @@ PlaneField discField() {
 
 }  // namespace
 
-TEST_CASE("circles, outline and scale bar are true to scale", "[preview]") {
+TEST_CASE("circles, outline and scale bar are true to scale") {
     Pack<2> pack;
     pack.spheres = {{{{0, 0}}, 10}};
     const PlaneField field = discField();
@@ -102,7 +95,7 @@ TEST_CASE("circles, outline and scale bar are true to scale", "[preview]") {
     CHECK((right - middle) * pixel == Approx(10).margin(3 * pixel));
 }
 
-TEST_CASE("y points up, and circles are drawn at their positions", "[preview]") {
+TEST_CASE("y points up, and circles are drawn at their positions") {
     Pack<2> pack;
     pack.spheres = {{{{705, 905}}, 1}, {{{715, 915}}, 2}};
     PlanePreview scene;
@@ -125,7 +118,7 @@ TEST_CASE("y points up, and circles are drawn at their positions", "[preview]") 
     CHECK(darkest(220, 400, 220, 370) == 765);
 }
 
-TEST_CASE("a plane picture is the same for any number of threads", "[preview]") {
+TEST_CASE("a plane picture is the same for any number of threads") {
     Pack<2> pack;
     for (int i = 0; i < 20; ++i)
         for (int j = 0; j < 20; ++j) pack.spheres.push_back({{{2.0 * i, 2.0 * j}}, 0.5 + 0.02 * i});
@@ -139,8 +132,7 @@ TEST_CASE("a plane picture is the same for any number of threads", "[preview]") 
     CHECK(with(1) == with(3));
 }
 
-TEST_CASE("a plane picture refuses empty scenes, missing attributes, cuts and incomplete fields",
-          "[preview]") {
+TEST_CASE("a plane picture refuses empty scenes, missing attributes, cuts and incomplete fields") {
     PlanePreview scene;
     PreviewOptions options;
     CHECK_THROWS_AS(renderPreview(scene, options), ParameterError);
@@ -148,10 +140,10 @@ TEST_CASE("a plane picture refuses empty scenes, missing attributes, cuts and in
     pack.spheres = {{{{0, 0}}, 1}};
     scene.pack = &pack;
     options.color = PreviewColor::depth;
-    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("`preview.color` depth"));
+    CHECK_THROWS_WITH(renderPreview(scene, options), Contains("`preview.color` depth"));
     options.color = PreviewColor::radius;
     options.cut = PreviewCut{0, 0};
-    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("`preview.cut`"));
+    CHECK_THROWS_WITH(renderPreview(scene, options), Contains("`preview.cut`"));
     options.cut.reset();
     PlaneField field;
     field.columns = field.rows = 3;
@@ -160,7 +152,7 @@ TEST_CASE("a plane picture refuses empty scenes, missing attributes, cuts and in
     CHECK_THROWS_AS(renderPreview(scene, options), ParameterError);
 }
 
-TEST_CASE("distances to lines are found within the reach only", "[preview]") {
+TEST_CASE("distances to lines are found within the reach only") {
     const double reach = GENERATE(0.1, 0.30000000000000004, 1.7);
     const PlaneLines lines({{{{0, 0}}, {{10, 0}}}, {{{3, 5}}, {{3, 5}}}}, reach);
     CHECK(lines.distance({{5, 0.5 * reach}}) == Approx(0.5 * reach));

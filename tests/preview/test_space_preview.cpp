@@ -1,21 +1,12 @@
 #include "support/generators.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/preview/preview.h"
 #include "vdbpack/preview/sphere_colors.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdlib>
-#include <limits>
-#include <set>
-
-using namespace vdbpack;
 
 namespace {
 
@@ -53,8 +44,7 @@ Seen firstAlong(const Pack<3>& pack, const Vec<3>& from, const Vec<3>& along, do
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
         const auto& s = pack.spheres[i];
         const Vec<3> to = s.center - from;
-        const double middle = dot(to, along);
-        const double off = length(to - along * middle);
+        const double middle = dot(to, along), off = length(to - along * middle);
         if (std::fabs(off - s.radius) < 1e-4 * s.radius) seen.sure = false;
         if (off >= s.radius) continue;
         const double t = middle - std::sqrt(s.radius * s.radius - off * off);
@@ -126,7 +116,7 @@ Vec<3> inCut(const PreviewCamera& camera, const PreviewOptions& options, int x, 
 
 }  // namespace
 
-TEST_CASE("a sphere covers the pixels given by the projection", "[preview]") {
+TEST_CASE("a sphere covers the pixels given by the projection") {
     if (!canDrawSpace()) return;
     const double radius = GENERATE(1e-3, 1.0, 4000.0);
     CAPTURE(radius);
@@ -156,7 +146,7 @@ TEST_CASE("a sphere covers the pixels given by the projection", "[preview]") {
     CHECK(drawn == Approx(kPi * inPixels * inPixels).epsilon(0.03));
 }
 
-TEST_CASE("the nearest sphere is visible, wherever the pack lies", "[preview]") {
+TEST_CASE("the nearest sphere is visible, wherever the pack lies") {
     if (!canDrawSpace()) return;
     const auto seed = GENERATE(range(1u, 4u));
     CAPTURE(seed);
@@ -165,7 +155,7 @@ TEST_CASE("the nearest sphere is visible, wherever the pack lies", "[preview]") 
     CHECK(shown > 120 * 90 / 4);
 }
 
-TEST_CASE("a cut shows the spheres that it intersects", "[preview]") {
+TEST_CASE("a cut shows the spheres that it intersects") {
     if (!canDrawSpace()) return;
     const int axis = GENERATE(0, 1, 2);
     CAPTURE(axis);
@@ -175,7 +165,7 @@ TEST_CASE("a cut shows the spheres that it intersects", "[preview]") {
     CHECK(checkAgainstAll(randomPack(7, middle), options) > 120 * 90 / 4);
 }
 
-TEST_CASE("the whole scene fits into the picture", "[preview]") {
+TEST_CASE("the whole scene fits into the picture") {
     if (!canDrawSpace()) return;
     const bool tall = GENERATE(false, true), cut = GENERATE(false, true);
     PreviewOptions options = tall ? sized(60, 200) : sized(200, 60);
@@ -197,7 +187,7 @@ TEST_CASE("the whole scene fits into the picture", "[preview]") {
           options.width * options.height / 12);
 }
 
-TEST_CASE("a cut sphere shows a flat face, not a hollow shell", "[preview]") {
+TEST_CASE("a cut sphere shows a flat face, not a hollow shell") {
     if (!canDrawSpace()) return;
     Pack<3> pack;
     pack.spheres = {{{{10, 20, 30}}, 5}};
@@ -220,10 +210,10 @@ TEST_CASE("a cut sphere shows a flat face, not a hollow shell", "[preview]") {
     for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs((*colors.begin())[c] - ramp[c]) < 10);
 }
 
-TEST_CASE("a cut solid shows its inside and its holes", "[preview]") {
+TEST_CASE("a cut solid shows its inside and its holes") {
     if (!canDrawSpace()) return;
     // A ball with a hollow.
-    const auto solid = test::merged(test::ballMesh(10, 4), test::flipped(test::ballMesh(5, 4)));
+    const auto solid = merged(ballMesh(10, 4), flipped(ballMesh(5, 4)));
     SpacePreview scene;
     scene.solid = &solid;
     PreviewOptions options = sized(400, 300);
@@ -245,9 +235,9 @@ TEST_CASE("a cut solid shows its inside and its holes", "[preview]") {
     CHECK(wrong == 0);
 }
 
-TEST_CASE("a cut wall is drawn as a line", "[preview]") {
+TEST_CASE("a cut wall is drawn as a line") {
     if (!canDrawSpace()) return;
-    const auto wall = test::ballMesh(10, 4);
+    const auto wall = ballMesh(10, 4);
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}};
     SpacePreview scene;
@@ -269,10 +259,10 @@ TEST_CASE("a cut wall is drawn as a line", "[preview]") {
     CHECK(dark == at);
 }
 
-TEST_CASE("a picture of space is the same for any number of threads", "[preview]") {
+TEST_CASE("a picture of space is the same for any number of threads") {
     if (!canDrawSpace()) return;
     const auto pack = randomPack(5, {{700, 0, 0}});
-    const auto wall = test::translated(test::ballMesh(18, 4), {{700, 0, 0}});
+    const auto wall = translated(ballMesh(18, 4), {{700, 0, 0}});
     SpacePreview scene;
     scene.pack = &pack;
     scene.wall = &wall;
@@ -287,7 +277,7 @@ TEST_CASE("a picture of space is the same for any number of threads", "[preview]
     CHECK(one == with(3));
 }
 
-TEST_CASE("the texts of a picture describe it", "[preview]") {
+TEST_CASE("the texts of a picture describe it") {
     if (!canDrawSpace()) return;
     const auto pack = randomPack(5, {});
     SpacePreview scene;
@@ -299,16 +289,15 @@ TEST_CASE("the texts of a picture describe it", "[preview]") {
     CHECK_THAT(image.texts[0].second, Catch::EndsWith(" spheres"));
     for (const char* part : {"colored by radius, 0.2", "cut at z = 1.5 mm, lower z stays",
                              "seen from (", "scale bar "})
-        CHECK_THAT(image.texts[1].second, Catch::Contains(part));
+        CHECK_THAT(image.texts[1].second, Contains(part));
 }
 
 TEST_CASE(
-    "a picture of space refuses empty scenes, bad sizes, missing attributes and cuts that miss",
-    "[preview]") {
+    "a picture of space refuses empty scenes, bad sizes, missing attributes and cuts that miss") {
     SpacePreview scene;
     if (!canDrawSpace()) {
-        CHECK_THROWS_WITH(renderPreview(scene, {}), Catch::Contains("Embree"));
-        CHECK_THROWS_WITH(visibleSpheres(scene, {}), Catch::Contains("Embree"));
+        CHECK_THROWS_WITH(renderPreview(scene, {}), Contains("Embree"));
+        CHECK_THROWS_WITH(visibleSpheres(scene, {}), Contains("Embree"));
         return;
     }
     CHECK_THROWS_AS(renderPreview(scene, {}), ParameterError);
@@ -316,17 +305,17 @@ TEST_CASE(
     scene.pack = &pack;
     CHECK_THROWS_AS(renderPreview(scene, {}), ParameterError);
     pack.spheres = {{{{0, 0, 0}}, 1}};
-    CHECK_THROWS_WITH(renderPreview(scene, sized(8, 100)), Catch::Contains("8x100"));
+    CHECK_THROWS_WITH(renderPreview(scene, sized(8, 100)), Contains("8x100"));
     PreviewOptions options = sized(64, 64);
     options.color = PreviewColor::depth;
-    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("`preview.color` depth"));
+    CHECK_THROWS_WITH(renderPreview(scene, options), Contains("`preview.color` depth"));
     options.color = PreviewColor::order;
-    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("`preview.color` order"));
+    CHECK_THROWS_WITH(renderPreview(scene, options), Contains("`preview.color` order"));
     options.color = PreviewColor::radius;
     options.cut = PreviewCut{0, 1.5};
     CHECK_THROWS_WITH(renderPreview(scene, options),
-                      Catch::Contains("`preview.cut` x=1.5") && Catch::Contains("-1 and 1 mm"));
+                      Contains("`preview.cut` x=1.5") && Contains("-1 and 1 mm"));
     options.cut.reset();
     pack.spheres[0].center[1] = std::nan("");
-    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("sphere 0"));
+    CHECK_THROWS_WITH(renderPreview(scene, options), Contains("sphere 0"));
 }

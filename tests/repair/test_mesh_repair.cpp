@@ -1,20 +1,11 @@
 #include "support/generators.h"
 #include "support/sound_mesh.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/repair/facing.h"
 #include "vdbpack/repair/hole_filling.h"
 #include "vdbpack/repair/mesh_repair.h"
-#include "vdbpack/repair/sheets.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-
-using namespace vdbpack;
-using test::requireSound;
 
 namespace {
 
@@ -46,9 +37,9 @@ TriangleMesh damaged(const TriangleMesh& mesh, double share, bool turn, std::uin
 
 }  // namespace
 
-TEST_CASE("a sound mesh comes back as it is", "[repair]") {
-    const auto mesh = GENERATE(test::ballMesh(10, 3), test::torusMesh(8, 3, 40, 20),
-                               test::boxMesh({{0, 0, 0}}, {{1, 2, 3}}));
+TEST_CASE("a sound mesh comes back as it is") {
+    const auto mesh =
+        GENERATE(ballMesh(10, 3), torusMesh(8, 3, 40, 20), boxMesh({{0, 0, 0}}, {{1, 2, 3}}));
     const auto repaired = repairMesh(mesh);
     CHECK(repaired.report.method == RepairReport::Method::none);
     CHECK(repaired.mesh.vertices == mesh.vertices);
@@ -56,12 +47,12 @@ TEST_CASE("a sound mesh comes back as it is", "[repair]") {
     CHECK(repaired.report.doubtfulVolume == 0);
 }
 
-TEST_CASE("a ball that lost triangles keeps its volume", "[repair]") {
-    const auto ball = test::ballMesh(10, 4);
+TEST_CASE("a ball that lost triangles keeps its volume") {
+    const auto ball = ballMesh(10, 4);
     const double volume = volumeOf(ball);
     const auto [share, tolerance] =
         GENERATE(table<double, double>({{0.01, 0.01}, {0.1, 0.02}, {0.3, 0.05}}));
-    const auto seed = GENERATE(range(1u, 6u));
+    const auto seed = GENERATE(range(1u, 4u));
     CAPTURE(share, seed);
     const auto repaired = repairMesh(damaged(ball, share, false, seed));
     requireSound(repaired.mesh);
@@ -69,8 +60,8 @@ TEST_CASE("a ball that lost triangles keeps its volume", "[repair]") {
     CHECK(std::fabs(volumeOf(repaired.mesh) / volume - 1) < tolerance);
 }
 
-TEST_CASE("a ball with turned triangles is turned back", "[repair]") {
-    const auto ball = test::ballMesh(10, 4);
+TEST_CASE("a ball with turned triangles is turned back") {
+    const auto ball = ballMesh(10, 4);
     const double share = GENERATE(0.01, 0.1, 0.3, 0.5, 1.0);
     CAPTURE(share);
     const auto repaired = repairMesh(damaged(ball, share, true, 3));
@@ -80,9 +71,9 @@ TEST_CASE("a ball with turned triangles is turned back", "[repair]") {
     CHECK(repaired.mesh.triangles.size() == ball.triangles.size());
 }
 
-TEST_CASE("a ball without its cap is closed by a plane", "[repair]") {
+TEST_CASE("a ball without its cap is closed by a plane") {
     // The cap above a circle is missing: its plane is where the winding number is 1/2.
-    auto ball = test::uvBallMesh(10, 60, 120);
+    auto ball = uvBallMesh(10, 60, 120);
     TriangleMesh open;
     open.vertices = ball.vertices;
     const double rim = 10 * std::cos(kPi * 24 / 60), top = rim + 1e-6;
@@ -97,8 +88,8 @@ TEST_CASE("a ball without its cap is closed by a plane", "[repair]") {
     CHECK(repaired.report.doubtfulVolume > 0);
 }
 
-TEST_CASE("copies, turned copies and collapsed triangles go", "[repair]") {
-    auto mesh = test::ballMesh(10, 3);
+TEST_CASE("copies, turned copies and collapsed triangles go") {
+    auto mesh = ballMesh(10, 3);
     const double volume = volumeOf(mesh);
     const std::size_t count = mesh.triangles.size();
     for (std::size_t i = 0; i < count; i += 5) {
@@ -113,8 +104,8 @@ TEST_CASE("copies, turned copies and collapsed triangles go", "[repair]") {
     CHECK(volumeOf(repaired.mesh) == Approx(volume).epsilon(1e-12));
 }
 
-TEST_CASE("pieces that cut through each other become one", "[repair]") {
-    const auto mesh = test::merged(test::ballMesh(10, 4), test::ballMesh(6, 4, {{9, 0, 0}}));
+TEST_CASE("pieces that cut through each other become one") {
+    const auto mesh = merged(ballMesh(10, 4), ballMesh(6, 4, {{9, 0, 0}}));
     const auto repaired = repairMesh(mesh);
     requireSound(repaired.mesh);
     CHECK(repaired.report.method == RepairReport::Method::resurfaced);
@@ -125,26 +116,24 @@ TEST_CASE("pieces that cut through each other become one", "[repair]") {
     CHECK(repaired.report.overlapVolume == Approx(lens).epsilon(0.1));
 }
 
-TEST_CASE("a nested shell bounds a cavity unless it is said to be solid", "[repair]") {
+TEST_CASE("a nested shell bounds a cavity unless it is said to be solid") {
     const bool inward = GENERATE(true, false);
-    auto inner = test::ballMesh(5, 3);
-    if (inward) inner = test::flipped(inner);
+    auto inner = ballMesh(5, 3);
+    if (inward) inner = flipped(inner);
     // A few holes in both: the shells are no longer closed.
-    auto mesh = damaged(test::merged(test::ballMesh(10, 4), inner), 0.02, false, 5);
+    auto mesh = damaged(merged(ballMesh(10, 4), inner), 0.02, false, 5);
     RepairOptions options;
     options.nested = GENERATE(NestedShells::cavity, NestedShells::solid);
     const auto repaired = repairMesh(mesh, options);
     requireSound(repaired.mesh);
-    const double outerVolume = volumeOf(test::ballMesh(10, 4));
-    const double cavity =
-        options.nested == NestedShells::cavity ? volumeOf(test::ballMesh(5, 3)) : 0;
+    const double outerVolume = volumeOf(ballMesh(10, 4));
+    const double cavity = options.nested == NestedShells::cavity ? volumeOf(ballMesh(5, 3)) : 0;
     CHECK(volumeOf(repaired.mesh) == Approx(outerVolume - cavity).epsilon(0.002));
 }
 
-TEST_CASE("a wall inside a solid is taken out", "[repair]") {
+TEST_CASE("a wall inside a solid is taken out") {
     // A box in the middle of a ball, touching nothing, said to be solid.
-    const auto mesh =
-        test::merged(test::ballMesh(10, 3), test::boxMesh({{-1, -1, -1}}, {{1, 1, 1}}));
+    const auto mesh = merged(ballMesh(10, 3), boxMesh({{-1, -1, -1}}, {{1, 1, 1}}));
     RepairOptions options;
     options.nested = NestedShells::solid;
     const auto repaired = repairMesh(mesh, options);
@@ -154,14 +143,14 @@ TEST_CASE("a wall inside a solid is taken out", "[repair]") {
     CHECK(repaired.report.changes->removedVolume == Approx(8));
     CHECK_THAT(repairWarnings(repaired.report, "bone.stl").front(),
                Catch::Matchers::Contains("removed 1 surface component"));
-    CHECK(repaired.mesh.triangles.size() == test::ballMesh(10, 3).triangles.size());
-    CHECK(volumeOf(repaired.mesh) == Approx(volumeOf(test::ballMesh(10, 3))).epsilon(1e-12));
+    CHECK(repaired.mesh.triangles.size() == ballMesh(10, 3).triangles.size());
+    CHECK(volumeOf(repaired.mesh) == Approx(volumeOf(ballMesh(10, 3))).epsilon(1e-12));
 }
 
-TEST_CASE("solids that touch along an edge part there", "[repair]") {
+TEST_CASE("solids that touch along an edge part there") {
     // Two cubes that share an edge, welded.
-    TriangleMesh mesh = test::boxMesh({{0, 0, 0}}, {{1, 1, 1}});
-    const TriangleMesh other = test::boxMesh({{1, 1, 0}}, {{2, 2, 1}});
+    TriangleMesh mesh = boxMesh({{0, 0, 0}}, {{1, 1, 1}});
+    const TriangleMesh other = boxMesh({{1, 1, 0}}, {{2, 2, 1}});
     const auto shift = static_cast<std::uint32_t>(mesh.vertices.size());
     const auto place = [&](std::uint32_t v) {
         for (std::uint32_t i = 0; i < shift; ++i)
@@ -179,17 +168,16 @@ TEST_CASE("solids that touch along an edge part there", "[repair]") {
     CHECK(volumeOf(repaired.mesh) == Approx(2).epsilon(1e-12));
 }
 
-TEST_CASE("floating pieces stay and face outward", "[repair]") {
-    const auto mesh =
-        test::merged(test::ballMesh(10, 3), test::flipped(test::ballMesh(2, 2, {{20, 0, 0}})));
+TEST_CASE("floating pieces stay and face outward") {
+    const auto mesh = merged(ballMesh(10, 3), flipped(ballMesh(2, 2, {{20, 0, 0}})));
     const auto repaired = repairMesh(mesh);
     requireSound(repaired.mesh);
-    CHECK(repaired.report.turned == test::ballMesh(2, 2).triangles.size());
+    CHECK(repaired.report.turned == ballMesh(2, 2).triangles.size());
     CHECK(volumeOf(repaired.mesh) == Approx(volumeOf(mesh)));
 }
 
-TEST_CASE("rims that touch at a vertex are filled apart", "[repair]") {
-    auto ball = test::ballMesh(10, 2);
+TEST_CASE("rims that touch at a vertex are filled apart") {
+    auto ball = ballMesh(10, 2);
     // All triangles but those around vertex 0, of which every other stays.
     TriangleMesh open;
     open.vertices = ball.vertices;
@@ -207,7 +195,7 @@ TEST_CASE("rims that touch at a vertex are filled apart", "[repair]") {
     CHECK(volumeOf(filled) == Approx(volumeOf(ball)).epsilon(1e-12));
 }
 
-TEST_CASE("what has no inside is refused", "[repair]") {
+TEST_CASE("what has no inside is refused") {
     TriangleMesh one;
     one.vertices = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}};
     one.triangles = {{0, 1, 2}};
@@ -215,10 +203,10 @@ TEST_CASE("what has no inside is refused", "[repair]") {
     CHECK_THROWS_AS(repairMesh(TriangleMesh{}), InputError);
     RepairOptions options;
     options.voxelSize = -1;
-    CHECK_THROWS_AS(repairMesh(test::ballMesh(1, 1), options), ParameterError);
+    CHECK_THROWS_AS(repairMesh(ballMesh(1, 1), options), ParameterError);
 }
 
-TEST_CASE("loose triangles are refused before they are remeshed", "[repair]") {
+TEST_CASE("loose triangles are refused before they are remeshed") {
     RandomStream random(3, 1);
     TriangleMesh mesh;
     for (std::uint32_t i = 0; i < 3000; ++i) {
@@ -235,9 +223,9 @@ TEST_CASE("loose triangles are refused before they are remeshed", "[repair]") {
     CHECK(furthest == 0);
 }
 
-TEST_CASE("the inside of one mesh without that of another", "[repair]") {
-    const auto outer = test::ballMesh(10, 4);
-    const auto inner = test::ballMesh(6, 4, {{7, 0, 0}});  // pokes out
+TEST_CASE("the inside of one mesh without that of another") {
+    const auto outer = ballMesh(10, 4);
+    const auto inner = ballMesh(6, 4, {{7, 0, 0}});  // pokes out
     const auto cut = subtractMesh(outer, inner);
     requireSound(cut.mesh);
     CHECK(volumeOf(cut.mesh) == Approx(Measure<3>::ball(10) - lensVolume(10, 6, 7)).epsilon(0.01));

@@ -1,14 +1,10 @@
 #include "support/generators.h"
+#include "support/test.h"
 
 #include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/repair/repair_changes.h"
 
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-
-#include <algorithm>
-
-using namespace vdbpack;
 
 namespace {
 
@@ -29,34 +25,31 @@ std::string warningsOf(const RepairedMesh& repaired) {
     return all;
 }
 
-using Catch::Matchers::Contains;
-
 }  // namespace
 
-TEST_CASE("the topology of a surface counts what the eye counts", "[repair]") {
-    const auto hollow = topologyOf(test::hollowBallMesh(10, 5, 3));
+TEST_CASE("the topology of a surface counts what the eye counts") {
+    const auto hollow = topologyOf(hollowBallMesh(10, 5, 3));
     CHECK(hollow.components == 1);
     CHECK(hollow.cavities == 1);
     CHECK(hollow.eulerNumber == 4);
     CHECK(hollow.handles == 0);
 
-    auto ring = test::torusMesh(8, 3, 40, 20);
+    auto ring = torusMesh(8, 3, 40, 20);
     CHECK(topologyOf(ring).handles == 1);
     ring.triangles.erase(ring.triangles.begin() + 5);
     ring.triangles.erase(ring.triangles.begin() + 500, ring.triangles.begin() + 502);
-    const auto open = topologyOf(test::merged(ring, test::ballMesh(2, 2)));
+    const auto open = topologyOf(merged(ring, ballMesh(2, 2)));
     CHECK(open.components == 2);
     CHECK(open.holes == 2);
     CHECK(open.handles == 1);
 
-    const auto sheet = without(test::ballMesh(5, 3), [](const Vec<3>& v) { return v[2] < 2; });
+    const auto sheet = without(ballMesh(5, 3), [](const Vec<3>& v) { return v[2] < 2; });
     CHECK(topologyOf(sheet).fragments == 1);
     CHECK(topologyOf(sheet).components == 0);
 }
 
-TEST_CASE("a repair that changes nothing has nothing to warn of", "[repair]") {
-    const auto repaired =
-        repairMesh(test::merged(test::torusMesh(8, 3, 40, 20), test::ballMesh(2, 2)));
+TEST_CASE("a repair that changes nothing has nothing to warn of") {
+    const auto repaired = repairMesh(merged(torusMesh(8, 3, 40, 20), ballMesh(2, 2)));
     REQUIRE(repaired.report.changes);
     const auto changes = toJson(repaired.report)["changes"];
     CHECK(changes["before"] == changes["after"]);
@@ -65,11 +58,11 @@ TEST_CASE("a repair that changes nothing has nothing to warn of", "[repair]") {
     CHECK(warningsOf(repaired).empty());
 }
 
-TEST_CASE("a repair names the components that it fused", "[repair]") {
+TEST_CASE("a repair names the components that it fused") {
     // Three balls intersect in a row, one is alone.
-    auto mesh = test::merged(test::ballMesh(10, 4), test::ballMesh(6, 4, {{12, 0, 0}}));
-    mesh = test::merged(mesh, test::ballMesh(4, 3, {{20, 0, 0}}));
-    mesh = test::merged(mesh, test::ballMesh(5, 3, {{0, 40, 0}}));
+    auto mesh = merged(ballMesh(10, 4), ballMesh(6, 4, {{12, 0, 0}}));
+    mesh = merged(mesh, ballMesh(4, 3, {{20, 0, 0}}));
+    mesh = merged(mesh, ballMesh(5, 3, {{0, 40, 0}}));
     const auto repaired = repairMesh(mesh);
     REQUIRE(repaired.report.changes);
     const RepairChanges& changes = *repaired.report.changes;
@@ -85,8 +78,8 @@ TEST_CASE("a repair names the components that it fused", "[repair]") {
     CHECK(toJson(repaired.report)["changes"]["fusedComponents"] == 3);
 }
 
-TEST_CASE("a repair counts the holes that it closed", "[repair]") {
-    const auto mesh = without(test::ballMesh(10, 4), [](const Vec<3>& v) {
+TEST_CASE("a repair counts the holes that it closed") {
+    const auto mesh = without(ballMesh(10, 4), [](const Vec<3>& v) {
         return v[2] > 9 || length(v - Vec<3>{{10, 0, 0}}) < 2;
     });
     const auto repaired = repairMesh(mesh);
@@ -97,10 +90,9 @@ TEST_CASE("a repair counts the holes that it closed", "[repair]") {
     CHECK_THAT(warningsOf(repaired), Contains("2 holes") && !Contains("topology"));
 }
 
-TEST_CASE("a repair that closes a foramen reports the handle that is lost", "[repair]") {
+TEST_CASE("a repair that closes a foramen reports the handle that is lost") {
     // A ring with a narrow opening, which large voxels do not resolve, and a ball that intersects.
-    const auto mesh =
-        test::merged(test::torusMesh(8, 7.8, 60, 40), test::ballMesh(4, 3, {{15, 0, 0}}));
+    const auto mesh = merged(torusMesh(8, 7.8, 60, 40), ballMesh(4, 3, {{15, 0, 0}}));
     RepairOptions options;
     options.voxelSize = 1.5;
     const auto repaired = repairMesh(mesh, options);

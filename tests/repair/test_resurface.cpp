@@ -1,19 +1,11 @@
 #include "support/generators.h"
 #include "support/sound_mesh.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/repair/marching_cubes.h"
 #include "vdbpack/repair/resurface.h"
 #include "vdbpack/repair/winding_number.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <map>
-
-using namespace vdbpack;
-using test::requireSound;
 
 namespace {
 
@@ -28,7 +20,7 @@ Resurfaced resurfaced(const TriangleMesh& mesh, double voxelSize) {
 
 }  // namespace
 
-TEST_CASE("every case of a cube separates its inside corners", "[repair][resurface]") {
+TEST_CASE("every case of a cube separates its inside corners") {
     const auto cases = makeCubeLoops();
     REQUIRE(cases[0].empty());
     REQUIRE(cases[255].empty());
@@ -70,9 +62,9 @@ TEST_CASE("every case of a cube separates its inside corners", "[repair][resurfa
     }
 }
 
-TEST_CASE("a surface rebuilt lies on the old one", "[repair][resurface]") {
+TEST_CASE("a surface rebuilt lies on the old one") {
     const Vec<3> center = GENERATE(Vec<3>{{0, 0, 0}}, Vec<3>{{1e4, 1e4, -1e4}});
-    const auto ball = test::ballMesh(10, 5, center);
+    const auto ball = ballMesh(10, 5, center);
     const auto made = resurfaced(ball, 0.5);
     requireSound(made.mesh);
     CHECK(checkMesh(made.mesh).eulerNumber == 2);
@@ -85,8 +77,8 @@ TEST_CASE("a surface rebuilt lies on the old one", "[repair][resurface]") {
     }
 }
 
-TEST_CASE("a cavity stays where its wall faces into it", "[repair][resurface]") {
-    const auto mesh = test::merged(test::ballMesh(10, 4), test::flipped(test::ballMesh(5, 4)));
+TEST_CASE("a cavity stays where its wall faces into it") {
+    const auto mesh = merged(ballMesh(10, 4), flipped(ballMesh(5, 4)));
     const auto made = resurfaced(mesh, 0.4);
     requireSound(made.mesh);
     const MeshHealth health = checkMesh(made.mesh);
@@ -94,7 +86,7 @@ TEST_CASE("a cavity stays where its wall faces into it", "[repair][resurface]") 
     CHECK(health.enclosedVolume == Approx(4.0 / 3 * kPi * (1000 - 125)).epsilon(0.01));
 }
 
-TEST_CASE("an opening is closed near its plane", "[repair][resurface]") {
+TEST_CASE("an opening is closed near its plane") {
     // A tube of 20 mm without its ends.
     TriangleMesh tube;
     constexpr std::uint32_t kAround = 96;
@@ -117,8 +109,8 @@ TEST_CASE("an opening is closed near its plane", "[repair][resurface]") {
     for (const auto& v : made.mesh.vertices) CHECK(std::fabs(v[2]) < 10.5);
 }
 
-TEST_CASE("a surface rebuilt is the same for any number of threads", "[repair][resurface]") {
-    auto mesh = test::merged(test::ballMesh(6, 4), test::ballMesh(4, 3, {{5, 1, 0}}));
+TEST_CASE("a surface rebuilt is the same for any number of threads") {
+    auto mesh = merged(ballMesh(6, 4), ballMesh(4, 3, {{5, 1, 0}}));
     mesh.triangles.erase(mesh.triangles.begin() + 100, mesh.triangles.begin() + 130);
     const auto with = [&](int threads) {
         return withThreads(threads, [&] { return resurfaced(mesh, 0.25).mesh; });
@@ -128,14 +120,14 @@ TEST_CASE("a surface rebuilt is the same for any number of threads", "[repair][r
     REQUIRE(one.triangles == three.triangles);
 }
 
-TEST_CASE("walls thinner than a voxel are reported", "[repair][resurface]") {
+TEST_CASE("walls thinner than a voxel are reported") {
     // A plate of 20 x 20 x 0.05 under a block.
-    const auto mesh = test::merged(test::boxMesh({{0, 0, 0}}, {{20, 20, 0.05}}),
-                                   test::boxMesh({{5, 5, -5}}, {{10, 10, 2}}));
+    const auto mesh =
+        merged(boxMesh({{0, 0, 0}}, {{20, 20, 0.05}}), boxMesh({{5, 5, -5}}, {{10, 10, 2}}));
     const auto made = resurfaced(mesh, 0.5);
     CHECK(made.thinArea == Approx(375).epsilon(0.2));
 }
 
-TEST_CASE("a lattice that cannot be is refused", "[repair][resurface]") {
-    REQUIRE_THROWS_AS(resurfaced(test::ballMesh(10, 2), 1e-6), ResourceError);
+TEST_CASE("a lattice that cannot be is refused") {
+    REQUIRE_THROWS_AS(resurfaced(ballMesh(10, 2), 1e-6), ResourceError);
 }

@@ -1,15 +1,9 @@
 #include "support/generators.h"
 #include "support/random_point.h"
+#include "support/test.h"
 #include "support/triangle_oracle.h"
 
 #include "vdbpack/repair/winding_number.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-
-using namespace vdbpack;
-using test::randomPoint;
 
 namespace {
 
@@ -17,15 +11,15 @@ namespace {
 double sumOfAll(const TriangleMesh& mesh, const Vec<3>& x) {
     double sum = 0;
     for (const auto& t : mesh.triangles)
-        sum += test::solidAngle(x, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
+        sum += solidAngle(x, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
     return sum / (4 * kPi);
 }
 
 }  // namespace
 
-TEST_CASE("a closed surface winds once around its inside", "[repair][winding]") {
+TEST_CASE("a closed surface winds once around its inside") {
     const Vec<3> center = GENERATE(Vec<3>{{0, 0, 0}}, Vec<3>{{1e4, -1e4, 1e4}});
-    const auto mesh = test::ballMesh(10, 4, center);
+    const auto mesh = ballMesh(10, 4, center);
     const WindingNumber winding(mesh);
     RandomStream random(3, 1);
     for (int i = 0; i < 2000; ++i) {
@@ -36,9 +30,9 @@ TEST_CASE("a closed surface winds once around its inside", "[repair][winding]") 
     }
 }
 
-TEST_CASE("clusters give what their triangles give", "[repair][winding]") {
+TEST_CASE("clusters give what their triangles give") {
     // Half a ball, a torus facing inward and a ball that overlaps it.
-    auto mesh = test::merged(test::ballMesh(10, 3), test::flipped(test::torusMesh(8, 3, 40, 20)));
+    auto mesh = merged(ballMesh(10, 3), flipped(torusMesh(8, 3, 40, 20)));
     mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 640);
     const WindingNumber winding(mesh);
     RandomStream random(4, 1);
@@ -50,9 +44,9 @@ TEST_CASE("clusters give what their triangles give", "[repair][winding]") {
     CHECK(worst < 0.02);
 }
 
-TEST_CASE("in the middle of an opening the winding number is one half", "[repair][winding]") {
+TEST_CASE("in the middle of an opening the winding number is one half") {
     // A cube without its lid, from the middle of the lid.
-    auto mesh = test::boxMesh({{-1, -1, -1}}, {{1, 1, 1}});
+    auto mesh = boxMesh({{-1, -1, -1}}, {{1, 1, 1}});
     TriangleMesh open;
     open.vertices = mesh.vertices;
     for (const auto& t : mesh.triangles)
@@ -66,11 +60,9 @@ TEST_CASE("in the middle of an opening the winding number is one half", "[repair
     CHECK(winding({{0, 0, 1e6}}) == Approx(0).margin(1e-9));
 }
 
-TEST_CASE("overlaps count twice and what faces inward is taken off", "[repair][winding]") {
-    const auto ball = test::ballMesh(5, 3);
-    const auto other = test::ballMesh(5, 3, {{4, 0, 0}});
-    CHECK(WindingNumber(test::merged(ball, other))({{2, 0, 0}}) == Approx(2).margin(0.02));
-    CHECK(WindingNumber(test::merged(ball, test::flipped(other)))({{2, 0, 0}}) ==
-          Approx(0).margin(0.02));
+TEST_CASE("overlaps count twice and what faces inward is taken off") {
+    const auto ball = ballMesh(5, 3), other = ballMesh(5, 3, {{4, 0, 0}});
+    CHECK(WindingNumber(merged(ball, other))({{2, 0, 0}}) == Approx(2).margin(0.02));
+    CHECK(WindingNumber(merged(ball, flipped(other)))({{2, 0, 0}}) == Approx(0).margin(0.02));
     CHECK(WindingNumber(TriangleMesh{})({{0, 0, 0}}) == 0);
 }

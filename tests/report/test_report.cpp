@@ -1,20 +1,12 @@
 #include "report/sample_report.h"
+#include "support/test.h"
 
-#include "vdbpack/report/report.h"
-
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-
-#include <sstream>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
 
 namespace {
 
 Report fullReport() {
-    Report r = test::sampleReport();
+    Report r = sampleReport();
     r.domain.triangles = 624608;
     r.domain.meshVolume = 12345.5;
     r.domain.voxelSize = 0.3;
@@ -39,7 +31,7 @@ Report fullReport() {
 
 }  // namespace
 
-TEST_CASE("the report has the keys that scripts rely on", "[report]") {
+TEST_CASE("the report has the keys that scripts rely on") {
     const auto json = toJson(fullReport());
     const auto expected = nlohmann::ordered_json::parse(R"({
       "version": "", "command": "", "unit": "mm", "axes": null, "seed": 1, "threads": 2, "ranks": 1, "hash": "", "interrupted": false,
@@ -77,7 +69,7 @@ TEST_CASE("the report has the keys that scripts rely on", "[report]") {
     REQUIRE(json["voids"]["bvtv"].is_null());
 }
 
-TEST_CASE("what was not measured is null", "[report]") {
+TEST_CASE("what was not measured is null") {
     const auto json = toJson(Report{});
     for (const char* path :
          {"/spheres/ks", "/spheres/requested", "/spheres/radius/min", "/solidFraction/total",
@@ -89,7 +81,7 @@ TEST_CASE("what was not measured is null", "[report]") {
     }
 }
 
-TEST_CASE("the summary fits a terminal and says what matters", "[report]") {
+TEST_CASE("the summary fits a terminal and says what matters") {
     auto report = fullReport();
     const auto text = summary(report);
     CAPTURE(text);
@@ -100,12 +92,12 @@ TEST_CASE("the summary fits a terminal and says what matters", "[report]") {
         REQUIRE(columns <= 80);
     }
     REQUIRE(text.back() == '\n');
-    REQUIRE_THAT(text, Catch::Contains("1,101,921") && Catch::Contains("0.5860") &&
-                           Catch::Contains("624,608 triangles") && Catch::Contains("femur.vdb") &&
-                           Catch::Contains("pack 10.00") && !Catch::Contains("FAILED"));
+    REQUIRE_THAT(text, Contains("1,101,921") && Contains("0.5860") &&
+                           Contains("624,608 triangles") && Contains("femur.vdb") &&
+                           Contains("pack 10.00") && !Contains("FAILED"));
     report.overlap->pairs = 12;
     report.overlap->max = 0.25;
-    REQUIRE_THAT(summary(report), Catch::Contains("CHECK FAILED: 12 pairs"));
+    REQUIRE_THAT(summary(report), Contains("CHECK FAILED: 12 pairs"));
     report.dim = 2;
-    REQUIRE_THAT(summary(report), Catch::Contains("circles") && Catch::Contains("mm²"));
+    REQUIRE_THAT(summary(report), Contains("circles") && Contains("mm²"));
 }

@@ -1,14 +1,24 @@
 // A temporary folder for a test that writes files.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdlib>
 #include <filesystem>
-#include <iterator>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace vdbpack::test {
+
+/// The names of the files and folders in a folder, sorted.
+inline std::vector<std::string> namesIn(const std::string& folder) {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
 
 /// An empty folder that is removed, with its content, at the end of the test.
 class TemporaryFolder {
@@ -28,10 +38,8 @@ public:
     const std::string& path() const { return path_; }
     std::string file(const std::string& name) const { return path_ + "/" + name; }
     /// The number of files and folders in it.
-    std::size_t files() const {
-        return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_),
-                                                      std::filesystem::directory_iterator()));
-    }
+    std::size_t files() const { return namesIn(path_).size(); }
+    std::vector<std::string> names() const { return namesIn(path_); }
 
 private:
     std::string path_;

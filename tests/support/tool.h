@@ -4,10 +4,13 @@
 #include "support/paths.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
 #include <cstdio>
+#include <sstream>
 #include <string>
+#include <vector>
 
 namespace vdbpack::test {
 
@@ -32,6 +35,21 @@ inline Output shell(const std::string& command) {
 /// Runs vdb_pack with these arguments.
 inline Output vdbPack(const std::string& arguments) {
     return shell(kTool + " " + arguments);
+}
+
+/// The report of a run with --json that has succeeded; what was printed before it does not count.
+inline nlohmann::json jsonOf(const Output& output) {
+    CAPTURE(output.text);
+    REQUIRE(output.code == 0);
+    return nlohmann::json::parse(output.text.substr(output.text.find('{')));
+}
+
+/// The words of a line, which blanks separate.
+inline std::vector<std::string> wordsOf(const std::string& line) {
+    std::istringstream in(line);
+    std::vector<std::string> words;
+    for (std::string word; in >> word;) words.push_back(word);
+    return words;
 }
 
 }  // namespace vdbpack::test

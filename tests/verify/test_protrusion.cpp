@@ -1,18 +1,9 @@
 #include "measure/packs.h"
 #include "support/generators.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/verify/verify.h"
 #include "vdbpack/verify/wall_tree.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -56,7 +47,7 @@ double searchedDistance(const Vec<3>& x, const WallPiece<3>& t) {
 
 }  // namespace
 
-TEST_CASE("the distance to a triangle is that of a search over its points", "[verify]") {
+TEST_CASE("the distance to a triangle is that of a search over its points") {
     RandomStream random(5, 5);
     const auto point = [&](double scale) {
         return Vec<3>{{(random.uniform() - 0.5) * scale, (random.uniform() - 0.5) * scale,
@@ -75,7 +66,7 @@ TEST_CASE("the distance to a triangle is that of a search over its points", "[ve
     }
 }
 
-TEST_CASE("the tree finds the nearest of all triangles", "[verify]") {
+TEST_CASE("the tree finds the nearest of all triangles") {
     // Of long triangles it makes boxes along axes of their own.
     const bool isLong = GENERATE(false, true);
     const auto shape =
@@ -91,7 +82,7 @@ TEST_CASE("the tree finds the nearest of all triangles", "[verify]") {
     }
 }
 
-TEST_CASE("points searched for together find what each finds alone", "[verify]") {
+TEST_CASE("points searched for together find what each finds alone") {
     const bool isLong = GENERATE(false, true);
     const auto pieces = piecesOf(isLong ? doubleConeMesh(10, 8, 3000) : torusMesh(8, 3, 40, 20));
     const WallTree<3> tree(pieces);
@@ -109,7 +100,7 @@ TEST_CASE("points searched for together find what each finds alone", "[verify]")
     }
 }
 
-TEST_CASE("a check gives the distance of every center to the nearest triangle", "[verify]") {
+TEST_CASE("a check gives the distance of every center to the nearest triangle") {
     const auto mesh = torusMesh(8, 3, 40, 20);
     const auto pieces = piecesOf(mesh);
     // Near the wall and far from it, inside and outside; not a multiple of a block.
@@ -129,7 +120,7 @@ TEST_CASE("a check gives the distance of every center to the nearest triangle", 
     REQUIRE(alone.max == check.max);
 }
 
-TEST_CASE("protrusion through a box of triangles is that of the formula", "[verify]") {
+TEST_CASE("protrusion through a box of triangles is that of the formula") {
     const Vec<3> lo{{-4, -3, -2}}, hi{{4, 3, 2}};
     auto spheres = randomSpheres<3>(400, 11, 0.3, 5, 8);
     const WallShape<3> shape = WallShape<3>::ofBox({lo, hi});
@@ -164,7 +155,7 @@ TEST_CASE("protrusion through a box of triangles is that of the formula", "[veri
     }
 }
 
-TEST_CASE("protrusion through a ball of triangles nears that of the formula", "[verify]") {
+TEST_CASE("protrusion through a ball of triangles nears that of the formula") {
     const Vec<3> center{{3, -20, 100}};
     const auto spheres = [&] {
         auto s = randomSpheres<3>(40, 24, 0.5, 4, 11);
@@ -177,7 +168,7 @@ TEST_CASE("protrusion through a ball of triangles nears that of the formula", "[
     requireAgreement(spheres, uvBallMesh(10, 120, 160, center), shape, 0.02);
 }
 
-TEST_CASE("a nested shell is a cavity whichever way it faces", "[verify]") {
+TEST_CASE("a nested shell is a cavity whichever way it faces") {
     const bool inward = GENERATE(true, false);
     CAPTURE(inward);
     auto mesh = hollowBallMesh(10, 5, 4, inward);
@@ -190,7 +181,7 @@ TEST_CASE("a nested shell is a cavity whichever way it faces", "[verify]") {
     REQUIRE(protrusionOf({{{0, 3.5, 0}}, 0.5}, mesh) > 1);
 }
 
-TEST_CASE("a pack in a box passes, a disturbed sphere is named", "[verify]") {
+TEST_CASE("a pack in a box passes, a disturbed sphere is named") {
     auto spheres = disjointSpheres<3>(12, 4);
     const auto mesh = boxMesh({{0, 0, 0}}, {{24, 24, 24}});
     const auto check = checkProtrusion(spheres, mesh);
@@ -209,7 +200,7 @@ TEST_CASE("a pack in a box passes, a disturbed sphere is named", "[verify]") {
     REQUIRE(cut.spheres == 144);
 }
 
-TEST_CASE("a pack in the wrong place is wholly outside", "[verify]") {
+TEST_CASE("a pack in the wrong place is wholly outside") {
     auto spheres = disjointSpheres<3>(20, 4);
     for (auto& s : spheres) s.center *= 1000;
     const auto check = checkProtrusion(spheres, ballMesh(1, 4));
@@ -218,7 +209,7 @@ TEST_CASE("a pack in the wrong place is wholly outside", "[verify]") {
     REQUIRE(check.worst.size() == kWorstNamed);
 }
 
-TEST_CASE("a hole in the wall is outvoted", "[verify]") {
+TEST_CASE("a hole in the wall is outvoted") {
     auto mesh = ballMesh(10, 4);
     // Away goes a cap about +z.
     auto& t = mesh.triangles;
@@ -234,7 +225,7 @@ TEST_CASE("a hole in the wall is outvoted", "[verify]") {
     REQUIRE(std::min(check.worst[0].i, check.worst[1].i) == 2);
 }
 
-TEST_CASE("edges of four triangles keep the wall closed, degenerate ones do no harm", "[verify]") {
+TEST_CASE("edges of four triangles keep the wall closed, degenerate ones do no harm") {
     // Two boxes that share an edge, and triangles without area.
     auto mesh = merged(boxMesh({{0, 0, 0}}, {{2, 2, 2}}), boxMesh({{2, 2, 0}}, {{4, 4, 2}}));
     mesh.triangles.push_back({0, 1, 1});
@@ -246,13 +237,12 @@ TEST_CASE("edges of four triangles keep the wall closed, degenerate ones do no h
     REQUIRE(check.max == Approx(3));
 }
 
-TEST_CASE("unusable meshes are refused", "[verify]") {
+TEST_CASE("unusable meshes are refused") {
     TriangleMesh mesh;
     REQUIRE_THROWS_AS(checkProtrusion({}, mesh), InputError);
     mesh = boxMesh({{0, 0, 0}}, {{1, 1, 1}});
     mesh.triangles[3][1] = 8;
-    REQUIRE_THROWS_WITH(checkProtrusion({}, mesh),
-                        Catch::Contains("triangle 3") && Catch::Contains("vertex 8"));
+    REQUIRE_THROWS_WITH(checkProtrusion({}, mesh), Contains("triangle 3") && Contains("vertex 8"));
     mesh = boxMesh({{0, 0, 0}}, {{1, 1, 1}});
     mesh.vertices[2][1] = std::numeric_limits<double>::quiet_NaN();
     REQUIRE_THROWS_AS(checkProtrusion({}, mesh), InputError);
@@ -263,7 +253,7 @@ TEST_CASE("unusable meshes are refused", "[verify]") {
     REQUIRE_THROWS_AS(checkProtrusion(std::vector<Sphere<3>>{}, shape), ParameterError);
 }
 
-TEST_CASE("a flat or very coarse and very fine wall keeps its answers", "[verify]") {
+TEST_CASE("a flat or very coarse and very fine wall keeps its answers") {
     // A needle of a box 1000 long among thousands of small triangles.
     const auto mesh = merged(rotated(boxMesh({{-500, -1, -1}}, {{500, 1, 1}}), {{1, 1, 1}}, 0.6),
                              translated(ballMesh(3, 5), {{0, 0, 40}}));
@@ -276,7 +266,7 @@ TEST_CASE("a flat or very coarse and very fine wall keeps its answers", "[verify
     REQUIRE(protrusionOf({{{0, 0, 50}}, 1}, mesh) > 1);
 }
 
-TEST_CASE("formulas of shapes give distances inside and outside", "[verify]") {
+TEST_CASE("formulas of shapes give distances inside and outside") {
     const auto box = WallShape<2>::ofBox({{{0, 0}}, {{4, 2}}});
     REQUIRE(box.innerDistance({{1, 1.5}}) == Approx(0.5));
     REQUIRE(box.innerDistance({{-3, -4}}) == Approx(-5));
@@ -296,7 +286,7 @@ TEST_CASE("formulas of shapes give distances inside and outside", "[verify]") {
     REQUIRE(check.max == Approx(0.2));
 }
 
-TEST_CASE("circles against a slice: segments, shape and mesh agree", "[verify]") {
+TEST_CASE("circles against a slice: segments, shape and mesh agree") {
     const double height = 3;
     const auto ball = hollowBallMesh(10, 5, 5);
     const auto segments = sliceSegments(ball, height);

@@ -1,20 +1,11 @@
 #include "measure/packs.h"
 #include "support/generators.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/verify/verify.h"
 
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <set>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -58,16 +49,14 @@ void requireSame(const std::vector<Sphere<Dim>>& spheres) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("overlaps are those of an all-pairs search", "[verify]", ((int Dim), Dim), 2,
-                       3) {
+DIM_TEST_CASE("overlaps are those of an all-pairs search") {
     const auto seed = GENERATE(range(1u, 6u));
     const double ratio = GENERATE(1.0, 1.9, 3.0, 10.0, 100.0);
     CAPTURE(Dim, seed, ratio);
     requireSame(randomSpheres<Dim>(600, Dim == 2 ? 120.0 : 40.0, 0.5, ratio, seed));
 }
 
-TEMPLATE_TEST_CASE_SIG("overlaps are found wherever the spheres lie", "[verify]", ((int Dim), Dim),
-                       2, 3) {
+DIM_TEST_CASE("overlaps are found wherever the spheres lie") {
     const auto seed = GENERATE(range(1u, 4u));
     CAPTURE(Dim, seed);
     auto spheres = randomSpheres<Dim>(300, 12.0, 0.3, 2.5, seed);
@@ -107,8 +96,7 @@ TEMPLATE_TEST_CASE_SIG("overlaps are found wherever the spheres lie", "[verify]"
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("touching spheres pass, a disturbed one is named", "[verify]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("touching spheres pass, a disturbed one is named") {
     std::vector<Sphere<Dim>> spheres = disjointSpheres<Dim>(Dim == 2 ? 100 : 20, 7);
     for (auto& s : spheres) s.radius = 1;
     auto check = checkOverlap(spheres);
@@ -126,7 +114,7 @@ TEMPLATE_TEST_CASE_SIG("touching spheres pass, a disturbed one is named", "[veri
     for (const auto& w : check.worst) REQUIRE((w.i == victim || w.j == victim));
 }
 
-TEST_CASE("a pack of coincident spheres ends the count early", "[verify]") {
+TEST_CASE("a pack of coincident spheres ends the count early") {
     const std::vector<Sphere<3>> spheres(20000, Sphere<3>{{}, 1.0});
     const auto check = checkOverlap(spheres);
     REQUIRE_FALSE(check.complete);
@@ -134,24 +122,24 @@ TEST_CASE("a pack of coincident spheres ends the count early", "[verify]") {
     REQUIRE(check.max == Approx(2.0));
 }
 
-TEST_CASE("few or no spheres", "[verify]") {
+TEST_CASE("few or no spheres") {
     REQUIRE(checkOverlap(std::vector<Sphere<3>>{}).pairs == 0);
     REQUIRE(checkOverlap(std::vector<Sphere<3>>{{{}, 1.0}}).pairs == 0);
     REQUIRE(checkOverlap(std::vector<Sphere<2>>{{{}, 1.0}, {{{1, 0}}, 2.0}}).pairs == 1);
     REQUIRE(verifyPack(Pack<3>{}).passed());
 }
 
-TEST_CASE("spheres that are no numbers are refused by number", "[verify]") {
+TEST_CASE("spheres that are no numbers are refused by number") {
     auto spheres = disjointSpheres<3>(4, 1);
     const double bad = GENERATE(std::numeric_limits<double>::quiet_NaN(),
                                 std::numeric_limits<double>::infinity(), -1.0, 0.0, 1e300);
     CAPTURE(bad);
     spheres[17].radius = bad;
     REQUIRE_THROWS_AS(checkOverlap(spheres), InputError);
-    REQUIRE_THROWS_WITH(checkOverlap(spheres), Catch::Contains("sphere number 17"));
+    REQUIRE_THROWS_WITH(checkOverlap(spheres), Contains("sphere number 17"));
 }
 
-TEST_CASE("the Kolmogorov-Smirnov distance is that found by hand", "[verify]") {
+TEST_CASE("the Kolmogorov-Smirnov distance is that found by hand") {
     const auto uniform = [](double r) { return std::clamp(r - 1, 0.0, 1.0); };
     // Shares 1/4, 3/4 (a tie), 1 at 1.2, 1.5, 1.9: largest difference just after 1.5 or before.
     REQUIRE(ksDistance({1.5, 1.2, 1.9, 1.5}, uniform) == Approx(0.25).margin(1e-5));
@@ -163,7 +151,7 @@ TEST_CASE("the Kolmogorov-Smirnov distance is that found by hand", "[verify]") {
     REQUIRE(ksDistance(even, uniform) == Approx(0.0005).margin(1e-5));
 }
 
-TEST_CASE("atoms of a distribution are met by ties", "[verify]") {
+TEST_CASE("atoms of a distribution are met by ties") {
     // Radius 0.3 with weight 0.4, 0.7 with weight 0.6.
     const auto upTo = [](double r) { return (r >= 0.3 ? 0.4 : 0.0) + (r >= 0.7 ? 0.6 : 0.0); };
     const auto before = [](double r) { return (r > 0.3 ? 0.4 : 0.0) + (r > 0.7 ? 0.6 : 0.0); };
@@ -176,7 +164,7 @@ TEST_CASE("atoms of a distribution are met by ties", "[verify]") {
     REQUIRE(ksDistance({f3, f3, f7, f7, f7}, upTo, before) == Approx(0).margin(1e-12));
 }
 
-TEST_CASE("the hash is that of the documented formula", "[verify]") {
+TEST_CASE("the hash is that of the documented formula") {
     // Computed by numpy with the lines that assets/guides/files.md shows.
     Pack<3> pack;
     pack.spheres = {
@@ -188,7 +176,7 @@ TEST_CASE("the hash is that of the documented formula", "[verify]") {
     REQUIRE(hashText(packHash(circles)) == "8a1f8ce4415aae6f");
 }
 
-TEST_CASE("the hash knows no order, no threads, but every bit", "[verify]") {
+TEST_CASE("the hash knows no order, no threads, but every bit") {
     Pack<3> pack;
     pack.spheres = randomSpheres<3>(20000, 50, 0.5, 3, 9);
     const auto hash = packHash(pack);
@@ -207,7 +195,7 @@ TEST_CASE("the hash knows no order, no threads, but every bit", "[verify]") {
     REQUIRE(packHash(turned) != hash);
 }
 
-TEST_CASE("checks give the same for any number of threads", "[verify]") {
+TEST_CASE("checks give the same for any number of threads") {
     const auto spheres = randomSpheres<3>(5000, 60, 0.5, 10, 3);
     const auto many = checkOverlap(spheres);
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
@@ -221,7 +209,7 @@ TEST_CASE("checks give the same for any number of threads", "[verify]") {
     }
 }
 
-TEST_CASE("a pack is verified against its wall in one call", "[verify]") {
+TEST_CASE("a pack is verified against its wall in one call") {
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}, {{{2.5, 0, 0}}, 1}};
     const Vec<3> lo{{-1, -1, -1}}, hi{{3.5, 1, 1}}, tight{{3.4, 1, 1}};
@@ -236,7 +224,7 @@ TEST_CASE("a pack is verified against its wall in one call", "[verify]") {
     }
 }
 
-TEST_CASE("a result is shown with ids, positions and a verdict", "[verify]") {
+TEST_CASE("a result is shown with ids, positions and a verdict") {
     Pack<3> pack;
     pack.spheres = disjointSpheres<3>(5, 2);
     for (std::size_t i = 0; i < pack.spheres.size(); ++i)
@@ -259,7 +247,7 @@ TEST_CASE("a result is shown with ids, positions and a verdict", "[verify]") {
     REQUIRE(pair[0]["position"].size() == 3);
     REQUIRE(json["protrusion"]["worst"][0]["id"] == 1031);
     const auto text = describe(result, pack);
-    REQUIRE_THAT(text, Catch::Contains("FAILED") && Catch::Contains("1031 at ("));
+    REQUIRE_THAT(text, Contains("FAILED") && Contains("1031 at ("));
     result = verifyPack(Pack<3>{});
     result.ks = 0.02;
     result.ksLimit = 0.01;

@@ -1,9 +1,7 @@
 // Views are decoded as the page does it, and compared with their packs.
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 #include "support/well_formed.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/made_mesh.h"
@@ -11,19 +9,9 @@
 #include "vdbpack/run/run_view.h"
 #include "vdbpack/view/view_data.h"
 
-#include <catch2/catch.hpp>
 #include <zlib.h>
 
-#include <array>
-#include <cmath>
 #include <cstdlib>
-#include <limits>
-#include <map>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -106,8 +94,7 @@ ViewScene<Dim> sceneOf(const Pack<Dim>& pack) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("a view holds each sphere within half a step, and its columns", "[view]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a view holds each sphere within half a step, and its columns") {
     const Pack<Dim> pack = randomPack<Dim>(3000);
     const Json facts = viewData(sceneOf(pack), {});
     const auto centers = pointsOf(facts["spheres"]);
@@ -145,8 +132,7 @@ TEMPLATE_TEST_CASE_SIG("a view holds each sphere within half a step, and its col
     }
 }
 
-TEST_CASE("whole numbers of a view are exact, others within half a step, and some are none",
-          "[view]") {
+TEST_CASE("whole numbers of a view are exact, others within half a step, and some are none") {
     const double nothing = std::numeric_limits<double>::quiet_NaN();
     const std::vector<double> whole{-5, 70000, 4294967290, 0};
     CHECK(valuesOf(packedNumbers(whole)) == whole);
@@ -162,8 +148,7 @@ TEST_CASE("whole numbers of a view are exact, others within half a step, and som
     CHECK(wholeNumbersOf(packedNumbers({1, infinite}))[1] == 65535);
 }
 
-TEST_CASE("of a large pack a random subset is shown, alike everywhere, and the page says so",
-          "[view]") {
+TEST_CASE("of a large pack a random subset is shown, alike everywhere, and the page says so") {
     Pack<3> pack;
     for (int i = 0; i < 40 * 40 * 40; ++i) {
         pack.spheres.push_back({{{2.0 * (i % 40), 2.0 * (i / 40 % 40), 2.0 * (i / 1600)}}, 1});
@@ -173,7 +158,7 @@ TEST_CASE("of a large pack a random subset is shown, alike everywhere, and the p
     ViewOptions options;
     options.mostSpheres = 16000;
     const Json facts = viewData(sceneOf(pack), options);
-    CHECK_THAT(facts["words"].get<std::string>(), Catch::Contains("16,000 of 64,000"));
+    CHECK_THAT(facts["words"].get<std::string>(), Contains("16,000 of 64,000"));
     const auto steps = valuesOf(facts["rows"]), contacts = valuesOf(facts["columns"][1]);
     const auto centers = pointsOf(facts["spheres"]);
     REQUIRE(steps.size() == options.mostSpheres);
@@ -189,11 +174,10 @@ TEST_CASE("of a large pack a random subset is shown, alike everywhere, and the p
     // 2000 of 8000 each; their standard deviation is 36.
     for (const int n : inOctant) CHECK(std::abs(n - 2000) < 180);
     CHECK(viewData(sceneOf(pack), options) == facts);
-    CHECK_THAT(viewData(sceneOf(pack), {})["words"].get<std::string>(), !Catch::Contains("64,000"));
+    CHECK_THAT(viewData(sceneOf(pack), {})["words"].get<std::string>(), !Contains("64,000"));
 }
 
-TEST_CASE("columns and walls that would make a page too large are left out, and it says so",
-          "[view]") {
+TEST_CASE("columns and walls that would make a page too large are left out, and it says so") {
     const Pack<3> pack = randomPack<3>(4000);
     ViewOptions options;
     options.mostBytes = 75000;
@@ -204,7 +188,7 @@ TEST_CASE("columns and walls that would make a page too large are left out, and 
     CHECK(facts["spheres"].dump().size() + facts["columns"].dump().size() <=
           options.mostBytes + 20);
     CHECK(facts["columns"].size() < 8);
-    CHECK_THAT(facts["words"].get<std::string>(), Catch::Contains("density"));
+    CHECK_THAT(facts["words"].get<std::string>(), Contains("density"));
     const auto corners = wholeNumbersOf(facts["wall"]["corners"]);
     REQUIRE(corners.size() == 36);
     const auto points = pointsOf(facts["wall"]["points"]);
@@ -213,10 +197,10 @@ TEST_CASE("columns and walls that would make a page too large are left out, and 
     options.mostTriangles = 11;
     facts = viewData(scene, options);
     CHECK_FALSE(facts.contains("wall"));
-    CHECK_THAT(facts["words"].get<std::string>(), Catch::Contains("12 triangles"));
+    CHECK_THAT(facts["words"].get<std::string>(), Contains("12 triangles"));
 }
 
-TEST_CASE("the outline of a disc is a circle of its length", "[view]") {
+TEST_CASE("the outline of a disc is a circle of its length") {
     const Pack<2> pack = randomPack<2>(1);
     PlaneField field;
     field.columns = field.rows = 200;
@@ -241,7 +225,7 @@ TEST_CASE("the outline of a disc is a circle of its length", "[view]") {
     CHECK(total == Approx(2 * kPi * 9).epsilon(1e-3));
 }
 
-TEST_CASE("a page with a view is well-formed and names nothing to fetch", "[view]") {
+TEST_CASE("a page with a view is well-formed and names nothing to fetch") {
     const Pack<3> pack = randomPack<3>(400);
     const TriangleMesh wall = boxMesh({{{999, 999, 999}}, {{1041, 1041, 1041}}});
     ViewScene<3> scene = sceneOf(pack);
@@ -257,12 +241,11 @@ TEST_CASE("a page with a view is well-formed and names nothing to fetch", "[view
         CAPTURE(word);
         CHECK(page.find(word) == std::string::npos);
     }
-    CHECK_THAT(page, Catch::Contains("<img src='data:image/png") &&
-                         Catch::Contains("\"a \\u003cb\\u003e\""));
+    CHECK_THAT(page, Contains("<img src='data:image/png") && Contains("\"a \\u003cb\\u003e\""));
     CHECK_THROWS_AS(viewOf(sceneOf(Pack<3>{})), ParameterError);
 }
 
-TEST_CASE("view writes a page of a pack of any dimension", "[view][run]") {
+TEST_CASE("view writes a page of a pack of any dimension") {
     const TemporaryFolder folder;
     const bool plane = GENERATE(false, true);
     CAPTURE(plane);
@@ -281,7 +264,7 @@ TEST_CASE("view writes a page of a pack of any dimension", "[view][run]") {
     const std::string page = contentOf(recipe.reportFile);
     CHECK(result.bytes == page.size());
     CHECK(flawIn(page) == "");
-    CHECK_THAT(page, Catch::Contains("a pack.csv: 50 ") && Catch::Contains("view-facts"));
+    CHECK_THAT(page, Contains("a pack.csv: 50 ") && Contains("view-facts"));
     recipe.domain.source = plane ? "box:9,9,9" : "rect:9,9";
     CHECK_THROWS_AS(runView(recipe), ParameterError);
     recipe.domain.source.clear();
@@ -294,7 +277,7 @@ TEST_CASE("view writes a page of a pack of any dimension", "[view][run]") {
     CHECK_THROWS(runView(recipe));
 }
 
-TEST_CASE("a view tells of a domain that cannot be the pack's", "[view]") {
+TEST_CASE("a view tells of a domain that cannot be the pack's") {
     const TemporaryFolder folder;
     ViewRecipe recipe;
     recipe.pack = folder.file("pack.csv");

@@ -6,15 +6,18 @@
 
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/rng.h"
+#include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/voxel_image.h"
 #include "vdbpack/voids/stamp.h"
+#include "vdbpack/voids/void_field.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <vector>
 
 namespace vdbpack {
@@ -67,6 +70,21 @@ StampOptions<Dim> stampOptions(const Domain<Dim>& domain, double voxelSize, doub
     options.shell = shell;
     return options;
 }
+
+/// Some voids that overlap in a box of side 20, and what stamping them gives.
+template <int Dim>
+struct Scene {
+    std::shared_ptr<const Domain<Dim>> domain = boxDomain<Dim>(test::cube<Dim>(20));
+    std::vector<Ellipsoid<Dim>> voids;
+    StampOptions<Dim> options;
+
+    explicit Scene(double voxelSize, double shell = 0)
+        : voids(anyVoids<Dim>(Dim == 3 ? 120 : 30, test::cube<Dim>(22), 0.8, 2, 0.5, 3, 5)),
+          options(stampOptions(*domain, voxelSize, shell)) {}
+    std::shared_ptr<const StampedVoids<Dim>> stamp() const {
+        return stampVoids(voids, *domain, options);
+    }
+};
 
 /// Center of the voxel nearest to `x`.
 template <int Dim>

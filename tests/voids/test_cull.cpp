@@ -1,8 +1,7 @@
 #include "support/generators.h"
-#include "support/text_file.h"
+#include "support/test.h"
 #include "voids/stamping.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
@@ -10,19 +9,6 @@
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/thinning.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <memory>
-#include <numeric>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -52,8 +38,7 @@ std::vector<std::int32_t> someCandidates(std::size_t count) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("culling by lookup agrees with the ellipsoids themselves", "[voids][cull]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("culling by lookup agrees with the ellipsoids themselves") {
     const auto domain = boxDomain<Dim>(cube<Dim>(20));
     const auto voids = anyVoids<Dim>(Dim == 3 ? 100 : 25, cube<Dim>(22), 0.8, 2, 0.5, 3, 21);
     const double h = GENERATE(0.1, 0.2);
@@ -101,8 +86,7 @@ TEMPLATE_TEST_CASE_SIG("culling by lookup agrees with the ellipsoids themselves"
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("deeper than the shell, spheres that meet a void are removed",
-                       "[voids][cull]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("deeper than the shell, spheres that meet a void are removed") {
     const double h = 0.1, shell = 1.5;
     const auto domain = ballDomain<Dim>(10);
     const auto voids = anyVoids<Dim>(Dim == 3 ? 100 : 25, cube<Dim>(18), 0.8, 2, 0.5, 3, 23);
@@ -125,8 +109,7 @@ TEMPLATE_TEST_CASE_SIG("deeper than the shell, spheres that meet a void are remo
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("depth below a shell is decided by the distance to the wall",
-                       "[voids][cull]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("depth below a shell is decided by the distance to the wall") {
     const double shell = 1.5;
     const auto check = [&](const Domain<Dim>& domain) {
         CAPTURE(domain.facts().kind, domain.facts().voxelSize);
@@ -150,7 +133,7 @@ TEMPLATE_TEST_CASE_SIG("depth below a shell is decided by the distance to the wa
     FieldOptions options;
     options.voxelSize = 0.5;
     options.depth = 1.1 * shell;
-    const auto mesh = meshDomain(test::ballMesh(6, 4), options);
+    const auto mesh = meshDomain(ballMesh(6, 4), options);
     if constexpr (Dim == 3) {
         check(*mesh);
         check(*clippedDomain<3>(mesh, {{{{1, 0.3, -0.2}}, 2}}));
@@ -159,8 +142,7 @@ TEMPLATE_TEST_CASE_SIG("depth below a shell is decided by the distance to the wa
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("threshold takes the share D of uniform radii, the largest ones",
-                       "[voids][cull]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("threshold takes the share D of uniform radii, the largest ones") {
     const double fraction = GENERATE(0.15, 0.3, 0.5, 0.8, 1.0);
     CAPTURE(Dim, fraction);
     const auto spheres = anySpheres<Dim>(30000, 10, 1, 2, 31);
@@ -180,8 +162,7 @@ TEMPLATE_TEST_CASE_SIG("threshold takes the share D of uniform radii, the larges
     CHECK(smallestGone == Approx(2 - fraction).margin(1e-3));
 }
 
-TEMPLATE_TEST_CASE_SIG("concentric stops within one hole of the share D", "[voids][cull]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("concentric stops within one hole of the share D") {
     const double fraction = GENERATE(0.15, 0.3, 0.5, 0.9);
     const auto seed = GENERATE(1u, 2u, 3u);
     CAPTURE(Dim, fraction, seed);
@@ -218,8 +199,7 @@ TEMPLATE_TEST_CASE_SIG("concentric stops within one hole of the share D", "[void
     CHECK(removeAround(spheres, candidates, fraction, seed + 10) != keep);
 }
 
-TEMPLATE_TEST_CASE_SIG("holes of equal spheres have the radius R / D", "[voids][cull]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("holes of equal spheres have the radius R / D") {
     // One in a row of points a millimeter apart: the hole takes all within R / D + R.
     std::vector<Sphere<Dim>> spheres(401);
     for (std::size_t i = 0; i < spheres.size(); ++i) {
@@ -237,8 +217,7 @@ TEMPLATE_TEST_CASE_SIG("holes of equal spheres have the radius R / D", "[voids][
                       [](std::uint8_t k) { return k == 0; }));
 }
 
-TEMPLATE_TEST_CASE_SIG("thinning refuses a fraction out of range and accepts no candidates",
-                       "[voids][cull]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("thinning refuses a fraction out of range and accepts no candidates") {
     const auto spheres = anySpheres<Dim>(100, 5, 1, 2, 33);
     const std::vector<std::int32_t> all(spheres.size(), 1), none(spheres.size(), 0);
     for (const double fraction : {0.0, -0.5, 1.5, std::nan("")}) {
@@ -253,8 +232,7 @@ TEMPLATE_TEST_CASE_SIG("thinning refuses a fraction out of range and accepts no 
     CHECK(removeAround<Dim>({}, {}, 0.5, 1).empty());
 }
 
-TEMPLATE_TEST_CASE_SIG("kept spheres keep their attributes", "[voids][cull]", ((int Dim), Dim), 2,
-                       3) {
+DIM_TEST_CASE("kept spheres keep their attributes") {
     Pack<Dim> pack;
     pack.spheres = anySpheres<Dim>(1000, 10, 1, 2, 41);
     Column name{"name", {}, {}}, material{"material", {}, {}};
@@ -291,8 +269,7 @@ TEMPLATE_TEST_CASE_SIG("kept spheres keep their attributes", "[voids][cull]", ((
     CHECK(pack.columns[0].texts.empty());
 }
 
-TEMPLATE_TEST_CASE_SIG("attached spheres are those that a flood from the shell reaches",
-                       "[voids][cull]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("attached spheres are those that a flood from the shell reaches") {
     const auto seed = GENERATE(51u, 52u, 53u);
     // So thin that sets of many sizes form.
     const auto spheres = anySpheres<Dim>(1500, Dim == 3 ? 13 : 38, 0.5, 1, seed);
@@ -341,7 +318,7 @@ TEMPLATE_TEST_CASE_SIG("attached spheres are those that a flood from the shell r
     CHECK(removed(attachedSpheres(spheres, std::vector<std::int32_t>(n, 1), tolerance)) == n);
 }
 
-TEST_CASE("a small cluster of the shell that touches nothing else is not attached", "[voids]") {
+TEST_CASE("a small cluster of the shell that touches nothing else is not attached") {
     std::vector<Sphere<3>> spheres;
     for (int i = 0; i < 3000; ++i) spheres.push_back({{{2.0 * i, 0, 0}}, 1});
     spheres.push_back({{{0, 10, 0}}, 1});
@@ -355,8 +332,7 @@ TEST_CASE("a small cluster of the shell that touches nothing else is not attache
     CHECK(attached[3005] == 1);  // 4 of 3000
 }
 
-TEMPLATE_TEST_CASE_SIG("balls that remove spheres reach across the faces of a periodic cell",
-                       "[voids][thin][periodic]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("balls that remove spheres reach across the faces of a periodic cell") {
     PeriodicCell<Dim> cell{cube<Dim>(40), {}};
     cell.wraps.fill(true);
     // Pairs that touch across a face, far from all others.

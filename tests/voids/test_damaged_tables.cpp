@@ -1,22 +1,10 @@
 // Tables of voids and directions that are truncated, damaged or contain absurd numbers.
-#include "support/message_of.h"
-#include "support/text_file.h"
 
-#include "vdbpack/core/error.h"
+#include "support/test.h"
+
 #include "vdbpack/core/rng.h"
 #include "vdbpack/voids/direction_field.h"
 #include "vdbpack/voids/void_list.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <filesystem>
-#include <functional>
-#include <string>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -68,7 +56,7 @@ bool reads(const Format& format, const TextFile& file) {
 
 }  // namespace
 
-TEST_CASE("a truncated table is refused or read as a shorter one", "[voids]") {
+TEST_CASE("a truncated table is refused or read as a shorter one") {
     for (const Format& format : kFormats) {
         REQUIRE(reads(format, TextFile(format.content)));
         for (std::size_t n = 0; n < format.content.size(); ++n) {
@@ -79,7 +67,7 @@ TEST_CASE("a truncated table is refused or read as a shorter one", "[voids]") {
     }
 }
 
-TEST_CASE("a table with changed bytes is refused or read as another one", "[voids]") {
+TEST_CASE("a table with changed bytes is refused or read as another one") {
     RandomStream random(8, 1);
     for (const Format& format : kFormats)
         for (int trial = 0; trial < 200; ++trial) {
@@ -93,7 +81,7 @@ TEST_CASE("a table with changed bytes is refused or read as another one", "[void
         }
 }
 
-TEST_CASE("every table reader throws IoError for a folder, a missing file or a device", "[voids]") {
+TEST_CASE("every table reader throws IoError for a folder, a missing file or a device") {
     const TemporaryFolder folder;
     for (const Format& format : kFormats) {
         CAPTURE(format.name);
@@ -104,7 +92,7 @@ TEST_CASE("every table reader throws IoError for a folder, a missing file or a d
     CHECK_THROWS_AS(readVoidMatrix("/dev/zero"), IoError);
 }
 
-TEST_CASE("numbers too small for a reciprocal still define a direction", "[voids]") {
+TEST_CASE("numbers too small for a reciprocal still define a direction") {
     for (const std::string tiny : {"1e-320", "4.9e-324", "1e-300"}) {
         CAPTURE(tiny);
         const TextFile list("x,y,z,a,b,ux,uy,uz\n0,0,0,2,1,0," + tiny + ",0\n");
@@ -116,7 +104,7 @@ TEST_CASE("numbers too small for a reciprocal still define a direction", "[voids
     }
 }
 
-TEST_CASE("positions and stresses beyond any bone are refused with their line", "[voids]") {
+TEST_CASE("positions and stresses beyond any bone are refused with their line") {
     const auto message = [](const std::string& row) {
         const TextFile file("x,y,z,sxx,syy,szz,sxy,syz,sxz\n" + row + "\n");
         return messageOf<InputError>([&] { readDirectionField(file.path()); });

@@ -1,23 +1,12 @@
-#include "support/message_of.h"
 #include "support/random_point.h"
-#include "support/text_file.h"
+#include "support/test.h"
 #include "voids/turning.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/symmetric.h"
 #include "vdbpack/voids/direction_field.h"
 #include "vdbpack/voids/tensor_field.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -39,8 +28,7 @@ std::string turningTable(const Factor& factor) {
     std::string text = "uz,uy,ux,z,y,x\n";
     RandomStream random(6, 1);
     for (int i = 0; i < 8000; ++i) {
-        const Vec<3> x = randomPoint(random, kBox);
-        const Vec<3> u = turning(x, kSide) * factor(i);
+        const Vec<3> x = randomPoint(random, kBox), u = turning(x, kSide) * factor(i);
         text += fmt::format("{},{},{},{},{},{}\n", u[2], u[1], u[0], x[2], x[1], x[0]);
     }
     return text;
@@ -54,13 +42,12 @@ Tensor tensorOf(const Vec<3>& values, const Matrix<3>& axes) {
 
 }  // namespace
 
-TEST_CASE("a field that turns across the bone is interpolated between its points", "[voids]") {
+TEST_CASE("a field that turns across the bone is interpolated between its points") {
     const auto field = fieldOf(turningTable([](int) { return 1.0; }));
     RandomStream random(7, 1);
     double worst = 0, sum = 0;
     for (int i = 0; i < 4000; ++i) {
-        const Vec<3> x = randomPoint(random, kBox);
-        const Vec<3> u = field->at(x);
+        const Vec<3> x = randomPoint(random, kBox), u = field->at(x);
         REQUIRE(length(u) == Approx(1));
         const double error = degreesBetween(u, turning(x, kSide));
         worst = std::max(worst, error);
@@ -70,7 +57,7 @@ TEST_CASE("a field that turns across the bone is interpolated between its points
     CHECK(sum / 4000 < 0.6);
 }
 
-TEST_CASE("signs and lengths of directions have no effect", "[voids]") {
+TEST_CASE("signs and lengths of directions have no effect") {
     const auto field = fieldOf(turningTable([](int) { return 1.0; }));
     RandomStream flip(8, 1);
     const auto flipped =
@@ -84,7 +71,7 @@ TEST_CASE("signs and lengths of directions have no effect", "[voids]") {
     }
 }
 
-TEST_CASE("the main axis of a stress belongs to the eigenvalue of largest magnitude", "[voids]") {
+TEST_CASE("the main axis of a stress belongs to the eigenvalue of largest magnitude") {
     RandomStream random(10, 1);
     for (int i = 0; i < 200; ++i) {
         const Vec<3> a = normalized(randomPoint(random, 1));
@@ -101,7 +88,7 @@ TEST_CASE("the main axis of a stress belongs to the eigenvalue of largest magnit
     }
 }
 
-TEST_CASE("a stress is known by the names that programs give its components", "[voids]") {
+TEST_CASE("a stress is known by the names that programs give its components") {
     // A bar bent in the plane askew, as its components, in the order xx yy zz xy yz xz.
     const Vec<3> u = normalized(Vec<3>{{1, -2, 3}});
     const Tensor t = tensorOf({{-5, 0, 0}}, {u, u, u});
@@ -129,7 +116,7 @@ TEST_CASE("a stress is known by the names that programs give its components", "[
     }
 }
 
-TEST_CASE("stresses at one point are averaged, zero stresses are ignored", "[voids]") {
+TEST_CASE("stresses at one point are averaged, zero stresses are ignored") {
     const std::string header = "x,y,z,sxx,syy,szz,sxy,syz,sxz\n";
     const std::string far = "10,0,0,0,0,1,0,0,0\n0,10,0,0,0,1,0,0,0\n";
     CHECK(degreesBetween(
@@ -143,7 +130,7 @@ TEST_CASE("stresses at one point are averaged, zero stresses are ignored", "[voi
     CHECK(degreesBetween(between, {{0, 1, 0}}) < 1e-9);
 }
 
-TEST_CASE("a field has a direction beyond its points, and reports what it covers", "[voids]") {
+TEST_CASE("a field has a direction beyond its points, and reports what it covers") {
     const auto field = fieldOf("x,y,z,dx,dy,dz\n0,0,0,0,0,2\n100,50,0,0,0,-3\n", 2);
     const auto bounds = field->bounds();
     CHECK(length(bounds.lo - Vec<3>{{-20, -10, -2}}) < 1e-9);
@@ -153,7 +140,7 @@ TEST_CASE("a field has a direction beyond its points, and reports what it covers
     CHECK(fieldOf("x,y,z,vx,vy,vz\n1,1,1,1,0,0\n")->at({{1, 1, 1}})[0] == Approx(1));
 }
 
-TEST_CASE("a table without z is a field of the plane", "[voids]") {
+TEST_CASE("a table without z is a field of the plane") {
     const auto field = fieldOf("x,y,ux,uy\n0,0,1,0\n10,0,1,1\n10,10,0,1\n");
     CHECK(field->bounds().contains({{5, 5, 1e6}}));
     CHECK_FALSE(field->bounds().contains({{5, 12, 0}}));
@@ -162,7 +149,7 @@ TEST_CASE("a table without z is a field of the plane", "[voids]") {
     CHECK(degreesBetween(stress->at({{4, 1, 2}}), normalized(Vec<3>{{1, 1, 0}})) < 1e-9);
 }
 
-TEST_CASE("the nearest points are those of a search of all points", "[voids]") {
+TEST_CASE("the nearest points are those of a search of all points") {
     RandomStream random(11, 1);
     const Box<3> box{{}, {{10, 10, 10}}};
     for (const int count : {1, 2, 12, 13, 100, 3000}) {
@@ -190,7 +177,7 @@ TEST_CASE("the nearest points are those of a search of all points", "[voids]") {
     }
 }
 
-TEST_CASE("a malformed direction field is refused with its line and column", "[voids]") {
+TEST_CASE("a malformed direction field is refused with its line and column") {
     CHECK_THAT(failure("x,y,z,ux,uy,uz\n0,0,0,1,0,0\n1,0,0,0,0,0\n"),
                Contains("field.csv: line 3") && Contains("(0, 0, 0)"));
     CHECK_THAT(failure("x,y,z,ux,uy,uz\n0,0,0,1,nan,0\n"),

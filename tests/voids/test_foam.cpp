@@ -1,36 +1,23 @@
 // Voids of an open-cell foam: runs with `voids` foam.
-#include "cli/recipes.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/jobs.h"
+#include "support/test.h"
 #include "voids/turning.h"
 
-#include "vdbpack/run/run.h"
 #include "vdbpack/voids/void_list.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
-
-#include <cmath>
-#include <string>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
 VoidsJob foam(const std::string& source, double bvtv, const std::string& output) {
-    VoidsJob recipe;
-    recipe.domain.source = source;
-    recipe.request.method = "foam";
-    recipe.request.radius = "uniform:0.25,0.5";
-    recipe.request.targetBvtv = bvtv;
-    recipe.outputs = {output};
+    auto recipe = voidsIn(source, output);
+    setVoids(recipe.request, "foam", "uniform:0.25,0.5", bvtv);
     return recipe;
 }
 
 }  // namespace
 
-TEST_CASE("the struts of a foam are connected", "[run][voids]") {
+TEST_CASE("the struts of a foam are connected") {
     const TemporaryFolder folder;
     auto recipe = foam("box:4,4,4", GENERATE(0.06, 0.1, 0.2, 0.45), folder.file("v.vdb"));
     const auto made = runVoids(recipe);
@@ -42,16 +29,14 @@ TEST_CASE("the struts of a foam are connected", "[run][voids]") {
         CHECK(*runVoids(recipe).report.voids->solidAttached < *made.report.voids->solidAttached);
 }
 
-TEST_CASE("the cells of a foam are as long as they are asked to be", "[run][voids][long]") {
+TEST_CASE("the cells of a foam are as long as they are asked to be", "[long]") {
     const TemporaryFolder folder;
     const double aspect = GENERATE(1.0, 1.4, 2.0);
     auto recipe = foam("box:4,4,4", 0.2, folder.file("v.vdb"));
     recipe.request.aspect = "constant:" + std::to_string(aspect);
     recipe.request.orientation.axis = "1,1,0";
     runVoids(recipe);
-    MeasureRecipe measure;
-    measure.pack = folder.file("v.vdb");
-    measure.domain.source = "box:4,4,4";
+    auto measure = onPack<MeasureRecipe>(folder.file("v.vdb"), "box:4,4,4");
     const auto measured = runMeasure(measure);
     REQUIRE(measured.morphometry->anisotropy);
     const auto& anisotropy = *measured.morphometry->anisotropy;
@@ -62,7 +47,7 @@ TEST_CASE("the cells of a foam are as long as they are asked to be", "[run][void
               0.98);
 }
 
-TEST_CASE("the voids of a foam touch before they are dilated", "[run][voids]") {
+TEST_CASE("the voids of a foam touch before they are dilated") {
     const TemporaryFolder folder;
     auto recipe = foam("box:4,4,4", 0.2, "list:" + folder.file("l.csv"));
     recipe.request.orientation.axis = "0,0,1";
@@ -87,7 +72,7 @@ TEST_CASE("the voids of a foam touch before they are dilated", "[run][voids]") {
     CHECK(touching > 2 * voids.size());
 }
 
-TEST_CASE("a list of voids, their blend and struts make the same foam again", "[run][voids]") {
+TEST_CASE("a list of voids, their blend and struts make the same foam again") {
     const TemporaryFolder folder;
     auto recipe = foam("box:3,3,3", 0.25, "list:" + folder.file("l.csv"));
     recipe.request.blend = 0.05;
@@ -109,7 +94,7 @@ TEST_CASE("a list of voids, their blend and struts make the same foam again", "[
     CHECK(*runVoids(recipe).report.voids->bvtv < *first->bvtv - 0.003);
 }
 
-TEST_CASE("the cells of a foam follow a field of directions", "[run][voids]") {
+TEST_CASE("the cells of a foam follow a field of directions") {
     const TemporaryFolder folder;
     std::string field = "x,y,z,ux,uy,uz\n";
     for (int k = 0; k < 11 * 11 * 11; ++k) {
@@ -128,7 +113,7 @@ TEST_CASE("the cells of a foam follow a field of directions", "[run][voids]") {
         if (std::fabs(e.center[0]) < 2) REQUIRE(degreesBetween(e.axis, turning(e.center, 5)) < 8);
 }
 
-TEST_CASE("a foam in the plane, and in a bone with a shell", "[run][voids]") {
+TEST_CASE("a foam in the plane, and in a bone with a shell") {
     const TemporaryFolder folder;
     auto flat = foam("disc:6", 0.3, "list:" + folder.file("l.csv"));
     flat.request.orientation.axis = "1,0";

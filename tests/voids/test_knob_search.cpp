@@ -1,11 +1,7 @@
 // The search that fits foams, on functions whose solution is known.
+#include "support/test.h"
+
 #include "vdbpack/voids/knob_search.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-
-using namespace vdbpack;
 
 namespace {
 
@@ -23,7 +19,7 @@ std::optional<std::vector<double>> numbersAt(const std::vector<double>& x) {
 
 }  // namespace
 
-TEST_CASE("a search meets targets that there is a solution for", "[run]") {
+TEST_CASE("a search meets targets that there is a solution for") {
     const std::vector<double> solution{0.7, 0.8, -0.6};
     const auto wanted = *numbersAt(solution);
     KnobSearch search(threeKnobs(), {{wanted[0], 1, 1}, {wanted[1], 1, -3}, {wanted[2], 1, 0}},
@@ -36,7 +32,7 @@ TEST_CASE("a search meets targets that there is a solution for", "[run]") {
         CHECK(search.best().knobs[k] == Approx(solution[k]).margin(0.02));
 }
 
-TEST_CASE("a search stays near what is usual where targets leave it open", "[run]") {
+TEST_CASE("a search stays near what is usual where targets leave it open") {
     auto knobs = threeKnobs();
     knobs[2].usual = 0.5;
     knobs[2].width = 0.1;
@@ -50,7 +46,7 @@ TEST_CASE("a search stays near what is usual where targets leave it open", "[run
     CHECK(search.best().knobs[2] == Approx(0.5).margin(0.05));
 }
 
-TEST_CASE("a search goes to the limits of knobs and no farther", "[run]") {
+TEST_CASE("a search goes to the limits of knobs and no farther") {
     // The last number is at most 1 + 0.8 + 0.2.
     KnobSearch search(threeKnobs(), {{5, 1, 0}, {1, 1, 1}}, [](const std::vector<double>& x) {
         const auto all = *numbersAt(x);
@@ -70,7 +66,7 @@ TEST_CASE("a search goes to the limits of knobs and no farther", "[run]") {
     CHECK(search.best().values[0] > 1.9);  // stays
 }
 
-TEST_CASE("a search goes on until what is only approached is near enough", "[run]") {
+TEST_CASE("a search goes on until what is only approached is near enough") {
     std::vector<KnobTarget> targets{{1.3, 1, 1}, {1.5, 0.3, 0}};
     targets[1].isStrict = false;
     const auto measure = [](const std::vector<double>& x) {
@@ -90,7 +86,7 @@ TEST_CASE("a search goes on until what is only approached is near enough", "[run
     CHECK(errorAfter(0.02) <= 0.02);
 }
 
-TEST_CASE("a search takes shorter steps where there is nothing to measure", "[run]") {
+TEST_CASE("a search takes shorter steps where there is nothing to measure") {
     int nothing = 0;
     KnobSearch search(threeKnobs(), {{1.5, 1, 0}}, [&](const std::vector<double>& x) {
         if (x[1] > 0.9) {

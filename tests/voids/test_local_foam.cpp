@@ -1,26 +1,12 @@
 // Foams whose BV/TV and directions vary in space: runs with `voids` foam and fields.
-#include "cli/recipes.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/jobs.h"
+#include "support/test.h"
 #include "voids/turning.h"
 
 #include "vdbpack/domain/analytic_domain.h"
-#include "vdbpack/field/voxel_image.h"
-#include "vdbpack/measure/morphometry/morphometry.h"
-#include "vdbpack/run/run.h"
 #include "vdbpack/voids/stamp.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -59,8 +45,7 @@ struct LocalFoam {
 
     explicit LocalFoam(const std::string& source) {
         recipe.domain.source = source;
-        recipe.request.method = "foam";
-        recipe.request.radius = "uniform:0.25,0.5";
+        setVoids(recipe.request, "foam", "uniform:0.25,0.5");
         recipe.request.bvtvField = folder.file("bvtv.csv");
         recipe.outputs = {"list:" + folder.file("list.csv"), folder.file("v.vdb")};
         putContent(recipe.request.bvtvField, rampTable());
@@ -104,7 +89,7 @@ double solidShare(const VdbGrid& solid, const Box<3>& box) {
 
 }  // namespace
 
-TEST_CASE("BV/TV of a foam follows a ramp, and its directions a field", "[run][voids][long]") {
+TEST_CASE("BV/TV of a foam follows a ramp, and its directions a field", "[long]") {
     LocalFoam foam(fmt::format("box:{},{},{}", kLength, kWidth, kWidth));
     foam.recipe.request.voxelSize = 0.05;
     const bool directed = GENERATE(false, true);
@@ -138,7 +123,7 @@ TEST_CASE("BV/TV of a foam follows a ramp, and its directions a field", "[run][v
     CHECK(cosines[8] >= 0.97);
 }
 
-TEST_CASE("BV/TV of a foam in the plane follows a ramp", "[run][voids]") {
+TEST_CASE("BV/TV of a foam in the plane follows a ramp") {
     LocalFoam foam(fmt::format("rect:{},{}", kLength, kWidth));
     const std::string list = "list:" + foam.folder.file("list.csv");
     foam.recipe.outputs = {list};
@@ -164,7 +149,7 @@ TEST_CASE("BV/TV of a foam in the plane follows a ramp", "[run][voids]") {
     CHECK(error <= 0.02);
 }
 
-TEST_CASE("a local foam in a bone with a shell keeps its mean", "[run][voids][long]") {
+TEST_CASE("a local foam in a bone with a shell keeps its mean", "[long]") {
     LocalFoam foam("ball:2.9");
     foam.recipe.request.shell = 0.4;
     foam.recipe.request.keepConnected = true;
@@ -182,7 +167,7 @@ TEST_CASE("a local foam in a bone with a shell keeps its mean", "[run][voids][lo
     }
 }
 
-TEST_CASE("a local foam is the solid that spheres fill", "[run][voids][long]") {
+TEST_CASE("a local foam is the solid that spheres fill", "[long]") {
     LocalFoam foam("box:6,5,5");
     PackJob pack;
     pack.domain = foam.recipe.domain;
@@ -200,7 +185,7 @@ TEST_CASE("a local foam is the solid that spheres fill", "[run][voids][long]") {
     CHECK(static_cast<double>(left) < 0.45 * static_cast<double>(spheres.size()));
 }
 
-TEST_CASE("a field that leaves no void, or nothing but voids, in places", "[run][voids]") {
+TEST_CASE("a field that leaves no void, or nothing but voids, in places") {
     LocalFoam foam("box:6,4,4");
     std::string text = "x,y,value\n";
     for (int k = 0; k < 16 * 11; ++k) {

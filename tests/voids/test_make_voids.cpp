@@ -1,15 +1,9 @@
 // Voids of a domain from C++, without a run.
-#include "support/message_of.h"
 
-#include "vdbpack/core/error.h"
+#include "support/test.h"
+
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/voids/make_voids.h"
-
-#include <catch2/catch.hpp>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -22,7 +16,7 @@ VoidRecipe recipeOf(VoidMethod method) {
 
 }  // namespace
 
-TEST_CASE("voids are made of a domain until BV/TV is the target", "[voids]") {
+TEST_CASE("voids are made of a domain until BV/TV is the target") {
     const auto ball = ballDomain<3>(6);
     BooleanVoids boolean;
     boolean.shape.radius = SizeDistribution::uniform(0.8, 1.2);
@@ -39,7 +33,7 @@ TEST_CASE("voids are made of a domain until BV/TV is the target", "[voids]") {
     CHECK(made.list.size() == made.report.count);
 }
 
-TEST_CASE("what a domain alone cannot have is refused", "[voids]") {
+TEST_CASE("what a domain alone cannot have is refused") {
     const auto ball = ballDomain<3>(6);
     const auto refusal = [&](VoidMethod method) {
         return messageOf<ParameterError>([&] { makeVoids(*ball, recipeOf(std::move(method))); });

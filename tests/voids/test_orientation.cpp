@@ -1,24 +1,12 @@
-#include "support/message_of.h"
 #include "support/random_point.h"
-#include "support/text_file.h"
+#include "support/sizes.h"
+#include "support/test.h"
 #include "voids/turning.h"
 
 #include "vdbpack/core/ellipsoid.h"
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/symmetric.h"
 #include "vdbpack/voids/angle_distribution.h"
 #include "vdbpack/voids/orientation.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -58,27 +46,14 @@ std::string failure(const OrientationRecipe& recipe) {
     return messageOf<ParameterError>([&] { makeOrientation<Dim>(recipe, unitBox<Dim>()); });
 }
 
-/// Largest distance between the shares of `values` and `cdf`.
-template <class Cdf>
-double kolmogorov(std::vector<double> values, const Cdf& cdf) {
-    std::sort(values.begin(), values.end());
-    const double n = static_cast<double>(values.size());
-    double worst = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const double share = cdf(values[i]), at = static_cast<double>(i);
-        worst = std::max({worst, std::fabs(share - at / n), std::fabs(share - (at + 1) / n)});
-    }
-    return worst;
-}
-
 }  // namespace
 
-TEST_CASE("without angles voids point along z, in the plane along x", "[voids]") {
+TEST_CASE("without angles voids point along z, in the plane along x") {
     CHECK(first<3>(recipeOf("")) == Vec<3>{{0, 0, 1}});
     CHECK(first<2>(recipeOf("")) == Vec<2>{{1, 0}});
 }
 
-TEMPLATE_TEST_CASE_SIG("isotropic directions are uniform", "[voids]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("isotropic directions are uniform") {
     constexpr int kCount = 40000;
     Matrix<Dim> mean{};
     std::vector<double> lastComponent;
@@ -92,10 +67,10 @@ TEMPLATE_TEST_CASE_SIG("isotropic directions are uniform", "[voids]", ((int Dim)
                   Approx(i == j ? 1.0 / Dim : 0.0).margin(0.01));
     // On a sphere heights are uniform, on a circle angles are.
     const auto cdf = [](double h) { return Dim == 3 ? h : 2 / kPi * std::asin(h); };
-    CHECK(kolmogorov(lastComponent, cdf) < 1.63 / std::sqrt(kCount));
+    CHECK(ksDistance(lastComponent, cdf) < 1.63 / std::sqrt(kCount));
 }
 
-TEST_CASE("angles turn the axis about x, then about z", "[voids]") {
+TEST_CASE("angles turn the axis about x, then about z") {
     CHECK(first<3>(recipeOf("tz=constant:0.7;tx=0.3")) == axisOf(0.7, 0.3));
     CHECK(first<3>(recipeOf(" tx = 0.3 ; tz = 0.7 ")) == axisOf(0.7, 0.3));
     CHECK(first<3>(recipeOf("tx=-0.3")) == axisOf(0, -0.3));
@@ -106,7 +81,7 @@ TEST_CASE("angles turn the axis about x, then about z", "[voids]") {
         CHECK(u[2] >= std::cos(kPi / 9) - 1e-12);
 }
 
-TEST_CASE("drawn angles follow their distribution", "[voids]") {
+TEST_CASE("drawn angles follow their distribution") {
     constexpr int kCount = 20000;
     const double bound = 1.63 / std::sqrt(kCount);
     const auto angles = [](const std::string& spec) {
@@ -115,12 +90,12 @@ TEST_CASE("drawn angles follow their distribution", "[voids]") {
             values.push_back(std::atan2(u[1], u[0]));
         return values;
     };
-    CHECK(kolmogorov(angles("uniform:-10deg,0.5"), [](double x) {
+    CHECK(ksDistance(angles("uniform:-10deg,0.5"), [](double x) {
               const double lo = -kPi / 18;
               return (x - lo) / (0.5 - lo);
           }) < bound);
     const auto normal = [](double x) { return 0.5 * std::erfc(-(x - 0.1) / 0.2 / std::sqrt(2.0)); };
-    CHECK(kolmogorov(angles("normal:0.1,0.2,-0.1,0.6"), [&](double x) {
+    CHECK(ksDistance(angles("normal:0.1,0.2,-0.1,0.6"), [&](double x) {
               return (normal(x) - normal(-0.1)) / (normal(0.6) - normal(-0.1));
           }) < bound);
     const auto cut = AngleDistribution::parse("normal:0,1,-1deg,2deg");
@@ -128,7 +103,7 @@ TEST_CASE("drawn angles follow their distribution", "[voids]") {
     CHECK(cut.quantile(1) == Approx(kPi / 90));
 }
 
-TEST_CASE("angles scatter about a given axis", "[voids]") {
+TEST_CASE("angles scatter about a given axis") {
     const Vec<3> axis = normalized(Vec<3>{{1, -2, 0.5}});
     CHECK(degreesBetween(first<3>(recipeOf("", "1,-2,0.5")), axis) < 1e-9);
     Vec<3> mean;
@@ -147,7 +122,7 @@ TEST_CASE("angles scatter about a given axis", "[voids]") {
     CHECK(first<3>(recipeOf("tx=0.3;tz=1", "0,0,-1")) == first<3>(recipeOf("tx=0.3;tz=1")));
 }
 
-TEST_CASE("z is mapped to an axis by the shortest rotation", "[voids]") {
+TEST_CASE("z is mapped to an axis by the shortest rotation") {
     RandomStream random(15, 1);
     for (int i = 0; i < 100; ++i) {
         Vec<3> d = normalized(randomPoint(random, 1));
@@ -163,8 +138,7 @@ TEST_CASE("z is mapped to an axis by the shortest rotation", "[voids]") {
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("every orientation draws the same number of random numbers", "[voids]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("every orientation draws the same number of random numbers") {
     const TextFile field("x,y,ux,uy\n0,0,1,0\n1,1,0,1\n");
     const std::string angles = Dim == 3 ? "tx=normal:0,0.1,-1,1" : "phi=normal:0,0.1,-1,1";
     for (const auto& recipe :
@@ -178,7 +152,7 @@ TEMPLATE_TEST_CASE_SIG("every orientation draws the same number of random number
     }
 }
 
-TEST_CASE("angles scatter about the direction of a field", "[voids]") {
+TEST_CASE("angles scatter about the direction of a field") {
     const TextFile field(
         "x,y,z,ux,uy,uz\n0,0,0,1,0,0\n1,0,0,0,-1,0\n0,1,0,0,0,5\n0,0,1,-1,1,1\n1,1,1,0,0,1\n");
     const auto plain = makeOrientation<3>(recipeOf("", "", field.path()), unitBox<3>());
@@ -197,7 +171,7 @@ TEST_CASE("angles scatter about the direction of a field", "[voids]") {
     CHECK(length(planar->axis({{1, 1}}, random) - axisOf(0.1)) < 1e-9);
 }
 
-TEST_CASE("a field that does not cover the domain is refused with both boxes", "[voids]") {
+TEST_CASE("a field that does not cover the domain is refused with both boxes") {
     const TextFile field("x,y,z,ux,uy,uz\n0,0,0,1,0,0\n10,20,30,0,1,0\n", "field.csv");
     const auto fit = [&](const Box<3>& bounds) {
         return messageOf<InputError>(
@@ -216,7 +190,7 @@ TEST_CASE("a field that does not cover the domain is refused with both boxes", "
     CHECK_THAT(slice(40), Contains("(0, 0, 40) to (5, 5, 40) mm"));
 }
 
-TEST_CASE("a malformed orientation is refused with its parameter and value", "[voids]") {
+TEST_CASE("a malformed orientation is refused with its parameter and value") {
     const auto angles = Contains("`orientation.angles`"), axis = Contains("`orientation.axis`"),
                field = Contains("`orientation.field`");
     CHECK_THAT(failure<3>(recipeOf("", "1,0,0", "f.csv")),
@@ -240,7 +214,7 @@ TEST_CASE("a malformed orientation is refused with its parameter and value", "[v
     CHECK_THAT(failure<2>(recipeOf("", "0,0,1")), axis && Contains("plane"));
 }
 
-TEST_CASE("a malformed distribution of angles is refused with its text and value", "[voids]") {
+TEST_CASE("a malformed distribution of angles is refused with its text and value") {
     const auto angle = [](const std::string& spec) { return failure<2>(recipeOf("phi=" + spec)); };
     CHECK_THAT(angle("uniform:1"), Contains("'uniform:1'") && Contains("constant:V"));
     CHECK_THAT(angle("lognormal:1,2"), Contains("'lognormal:1,2'"));

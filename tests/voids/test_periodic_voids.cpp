@@ -1,22 +1,11 @@
 // Voids in periodic cells: against all images of the voids, one by one.
-#include "cli/recipes.h"
-#include "support/temporary_folder.h"
+#include "support/jobs.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/void_list.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -90,12 +79,11 @@ const std::vector<Ellipsoid<Dim>>& voidsOf(const RunResult& run) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("voids of a periodic cell remove spheres by all of their images",
-                       "[cli][periodic][voids][long]", ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("voids of a periodic cell remove spheres by all of their images", "[long]",
+                       ((int Dim), Dim), 2, 3) {
     const std::string method = GENERATE("boolean", "overlay", "grid", "foam");
     CAPTURE(Dim, method);
-    const auto run = runPack(cellRecipe<Dim>(method));
-    const auto whole = runPack(cellRecipe<Dim>());
+    const auto run = runPack(cellRecipe<Dim>(method)), whole = runPack(cellRecipe<Dim>());
     CHECK(run.passed);
     const PeriodicCell<Dim> cell = packOf<Dim>(run).cell;
     REQUIRE(cell.all());
@@ -118,8 +106,7 @@ TEMPLATE_TEST_CASE_SIG("voids of a periodic cell remove spheres by all of their 
               Approx(method == "overlay" ? 0.75 : 0.4).margin(0.006));
 }
 
-TEMPLATE_TEST_CASE_SIG("no sphere that is kept touches a void of a periodic cell",
-                       "[cli][periodic][voids]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("no sphere that is kept touches a void of a periodic cell") {
     auto recipe = cellRecipe<Dim>("boolean");
     const auto whole = runPack(cellRecipe<Dim>());
     recipe.request.cull = Cull::touch;
@@ -143,8 +130,7 @@ TEMPLATE_TEST_CASE_SIG("no sphere that is kept touches a void of a periodic cell
     CHECK(at == packOf<Dim>(run).spheres.size());
 }
 
-TEMPLATE_TEST_CASE_SIG("voids moved by lengths of a periodic cell are the same voids",
-                       "[cli][periodic][voids]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("voids moved by lengths of a periodic cell are the same voids") {
     const TemporaryFolder folder;
     auto recipe = cellRecipe<Dim>("boolean");
     recipe.outputs = {folder.file("pack.vtp")};
@@ -166,13 +152,12 @@ TEMPLATE_TEST_CASE_SIG("voids moved by lengths of a periodic cell are the same v
     // What is cut into a pack that was read, in the cell that its file states.
     recipe.request = {};
     runPack(recipe);
-    CarveJob carve;
-    carve.pack = folder.file("pack.vtp");
+    auto carve = onPack<CarveJob>(folder.file("pack.vtp"));
     carve.request = cellRecipe<Dim>("boolean").request;
     CHECK(runCarve(carve).report.hash == run.report.hash);
 }
 
-TEST_CASE("joined voids go on across the faces of a periodic cell", "[cli][periodic][voids]") {
+TEST_CASE("joined voids go on across the faces of a periodic cell") {
     auto recipe = cellRecipe<3>("foam");
     recipe.request.blend = 0.3;
     recipe.request.strut = 0.6;
@@ -200,8 +185,7 @@ TEST_CASE("joined voids go on across the faces of a periodic cell", "[cli][perio
     }
 }
 
-TEST_CASE("an axis of a foam is that of its voids in any periodic cell",
-          "[cli][periodic][voids][long]") {
+TEST_CASE("an axis of a foam is that of its voids in any periodic cell", "[long]") {
     auto recipe = cellRecipe<3>("foam");
     recipe.request.radius = "uniform:1.2,1.8";
     recipe.request.orientation.axis = GENERATE(as<std::string>(), "0,0,1", "1,1,0");
@@ -212,7 +196,7 @@ TEST_CASE("an axis of a foam is that of its voids in any periodic cell",
                   [&](const Vec<3>& x) { return !isInAny(voids, x); }) == Approx(0.4).margin(0.01));
 }
 
-TEST_CASE("walls beside periodic faces end the voids", "[cli][periodic][voids]") {
+TEST_CASE("walls beside periodic faces end the voids") {
     auto recipe = cellRecipe<3>("boolean");
     recipe.domain.source = "box:24,22,26";
     recipe.domain.periodic = "xy";
@@ -226,7 +210,7 @@ TEST_CASE("walls beside periodic faces end the voids", "[cli][periodic][voids]")
           Approx(0.4).margin(0.006));
 }
 
-TEST_CASE("spheres stay connected across the faces of a periodic cell", "[cli][periodic][voids]") {
+TEST_CASE("spheres stay connected across the faces of a periodic cell") {
     auto recipe = cellRecipe<3>("boolean");
     recipe.request.targetBvtv = 0.3;
     recipe.request.keepConnected = true;
@@ -236,10 +220,9 @@ TEST_CASE("spheres stay connected across the faces of a periodic cell", "[cli][p
     CHECK(run.report.voids->dropped > 0);
 }
 
-TEST_CASE("level sets of a periodic cell end at its faces", "[cli][periodic][voids]") {
+TEST_CASE("level sets of a periodic cell end at its faces") {
     const TemporaryFolder folder;
-    VoidsJob recipe;
-    recipe.domain.source = "periodic:24,22,26";
+    auto recipe = voidsIn("periodic:24,22,26");
     recipe.request = cellRecipe<3>("boolean").request;
     recipe.outputs = {folder.file("solid.stl"), folder.file("sets.vdb"),
                       "fog:" + folder.file("fog.vdb"), "list:" + folder.file("list.csv")};

@@ -1,32 +1,16 @@
 // Shells whose thickness varies.
-#include "cli/recipes.h"
-#include "support/cube.h"
 #include "support/generators.h"
 #include "support/mesh_file.h"
-#include "support/message_of.h"
-#include "support/random_point.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 #include "voids/stamping.h"
 #include "voids/void_recipes.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/core_volume.h"
-#include "vdbpack/run/run.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/shell_field.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -74,8 +58,7 @@ void forVoxelsInside(const VdbGrid& grid, const Visit& visit) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("no void is cut into a shell that varies", "[voids]", ((int Dim), Dim), 2,
-                       3) {
+DIM_TEST_CASE("no void is cut into a shell that varies") {
     const double h = Dim == 3 ? 0.2 : 0.1;
     const auto domain = ballDomain<Dim>(kRadius);
     const ShellThickness shell = linearShell();
@@ -98,12 +81,11 @@ TEMPLATE_TEST_CASE_SIG("no void is cut into a shell that varies", "[voids]", ((i
           Approx(std::pow(h, Dim) * static_cast<double>(inVoids)).epsilon(0.002));
 }
 
-TEMPLATE_TEST_CASE_SIG("the part deeper than a shell that varies", "[voids]", ((int Dim), Dim), 2,
-                       3) {
+DIM_TEST_CASE("the part deeper than a shell that varies") {
     const auto domain = ballDomain<Dim>(kRadius);
     const ShellThickness shell = linearShell();
     RandomStream random(9, 1);
-    std::vector<Sphere<Dim>> spheres(400'000);
+    std::vector<Sphere<Dim>> spheres(150'000);
     for (auto& s : spheres) s = {randomPoint(random, cube<Dim>(2 * kRadius)), 0.1};
     const auto deep = deeperThan(spheres, *domain, shell);
     std::size_t inside = 0;
@@ -119,8 +101,7 @@ TEMPLATE_TEST_CASE_SIG("the part deeper than a shell that varies", "[voids]", ((
     CHECK(coreVolume(*domain, uniform) == Approx(coreVolume(*domain, 0.7)).epsilon(0.001));
 }
 
-TEST_CASE("spheres, voids and BV/TV of a run agree with a field of thickness",
-          "[run][voids][long]") {
+TEST_CASE("spheres, voids and BV/TV of a run agree with a field of thickness", "[long]") {
     const ShellFile file;
     const bool mesh = GENERATE(false, true);
     PackJob recipe = recipeFor("ball:5", "uniform:0.15,0.3");
@@ -163,16 +144,13 @@ TEST_CASE("spheres, voids and BV/TV of a run agree with a field of thickness",
     CHECK(*run.report.voids->bvtv == Approx(0.3).margin(0.003));
 }
 
-TEST_CASE("a solid below a shell that varies is filled, and connected to it", "[run][voids]") {
+TEST_CASE("a solid below a shell that varies is filled, and connected to it") {
     const ShellFile file;
-    PackJob recipe = recipeFor("ball:5", "uniform:0.06,0.1");
+    PackJob recipe = recipeFor("ball:5", "uniform:0.06,0.1", file.folder.file("p.csv"));
     recipe.request = file.request;
-    recipe.request.method = "foam";
-    recipe.request.radius = "uniform:0.6,0.9";
-    recipe.request.targetBvtv = 0.25;
+    setVoids(recipe.request, "foam", "uniform:0.6,0.9", 0.25);
     recipe.request.fill = Fill::solid;
     recipe.request.keepConnected = true;
-    recipe.outputs = {file.folder.file("p.csv")};
     const RunResult run = runPack(recipe);
     CHECK(run.passed);
     CHECK(*run.report.voids->bvtv == Approx(0.25).margin(0.003));
@@ -185,12 +163,10 @@ TEST_CASE("a solid below a shell that varies is filled, and connected to it", "[
     }
 }
 
-TEST_CASE("a shell that varies sets regions alone, of spheres that are carved and in the plane",
-          "[run][voids]") {
+TEST_CASE("a shell that varies sets regions alone, of spheres that are carved and in the plane") {
     const ShellFile file;
-    PackJob recipe = recipeFor("disc:5", "uniform:0.1,0.2");
+    PackJob recipe = recipeFor("disc:5", "uniform:0.1,0.2", file.folder.file("p.csv"));
     recipe.request = file.request;
-    recipe.outputs = {file.folder.file("p.csv")};
     const RunResult flat = runPack(recipe);
     const ShellThickness shell = shellOver(voidsOf(file.request), cube<2>(2 * kRadius), 0);
     const auto& circles = std::get<Pack<2>>(flat.pack);
@@ -202,13 +178,10 @@ TEST_CASE("a shell that varies sets regions alone, of spheres that are carved an
     recipe.radius = "uniform:0.2,0.4";
     recipe.request = {};
     runPack(recipe);
-    CarveJob carve;
-    carve.pack = file.folder.file("p.csv");
-    carve.domain.source = "ball:5";
+    auto carve = onPack<CarveJob>(file.folder.file("p.csv"), "ball:5", file.folder.file("c.csv"));
     carve.request = file.request;
     carve.request.method = "threshold";
     carve.request.deleteFraction = 0.4;
-    carve.outputs = {file.folder.file("c.csv")};
     const RunResult carved = runCarve(carve);
     const auto& pack = std::get<Pack<3>>(carved.pack);
     std::size_t deep = 0;
@@ -221,39 +194,4 @@ TEST_CASE("a shell that varies sets regions alone, of spheres that are carved an
     }
     CHECK(deep > 0);
     CHECK(carved.report.voids->culled > 100);
-}
-
-TEST_CASE("fields of thickness that cannot be used are refused", "[run][voids]") {
-    const ShellFile file;
-    VoidsJob recipe = booleanRecipe(0.3, "uniform:0.5,0.8", file.folder.file("v.vdb"));
-    recipe.domain.source = "ball:5";
-    recipe.request.shellField = file.request.shellField;
-    const auto refused = [&](auto error) {
-        return messageOf<decltype(error)>([&] { runVoids(recipe); });
-    };
-    recipe.domain.source = "ball:7";
-    CHECK_THAT(refused(InputError("")), Contains("covers") && Contains("(-7, -7, -7)"));
-    recipe.domain.source = "ball:5";
-    recipe.request.shell = 1;
-    CHECK_THAT(refused(ParameterError("")), Contains("shellField"));
-    recipe.request.shell = 0;
-    for (const char* method : {"overlay", "mixed"}) {
-        PackJob pack = recipeFor("ball:5", "uniform:0.3,0.5");
-        pack.request = recipe.request;
-        pack.request.method = method;
-        pack.request.targetBvtv = 0.9;
-        pack.outputs = {file.folder.file("p.csv")};
-        CHECK_THAT(messageOf<ParameterError>([&] { runPack(pack); }),
-                   Contains("shellField") && Contains(method));
-    }
-    recipe.request.shellField = file.folder.file("none.csv");
-    CHECK_THROWS_AS(runVoids(recipe), IoError);
-    recipe.request.shellField = file.folder.file("shell.png");
-    CHECK_THROWS_AS(runVoids(recipe), ParameterError);
-    const ShellFile negative(shellTable(-1)), thick(shellTable(10));
-    recipe.request.shellField = negative.request.shellField;
-    CHECK_THAT(refused(InputError("")), Contains("line 2") && Contains("-0.3"));
-    recipe.request.shellField = thick.request.shellField;
-    recipe.domain.source = "box:1,1,1";
-    CHECK_THAT(refused(InputError("")), Contains("shellField"));
 }

@@ -1,9 +1,7 @@
 #include "support/generators.h"
-#include "support/message_of.h"
-#include "support/text_file.h"
+#include "support/test.h"
 #include "voids/stamping.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
@@ -11,45 +9,14 @@
 #include "vdbpack/field/solid.h"
 #include "vdbpack/voids/void_field.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-
-namespace {
-
-/// Some voids that overlap in a box of side 20, and what stamping them gives.
-template <int Dim>
-struct Scene {
-    std::shared_ptr<const Domain<Dim>> domain = boxDomain<Dim>(cube<Dim>(20));
-    std::vector<Ellipsoid<Dim>> voids;
-    StampOptions<Dim> options;
-
-    explicit Scene(double voxelSize, double shell = 0)
-        : voids(anyVoids<Dim>(Dim == 3 ? 120 : 30, cube<Dim>(22), 0.8, 2, 0.5, 3, 5)),
-          options(stampOptions(*domain, voxelSize, shell)) {}
-    std::shared_ptr<const StampedVoids<Dim>> stamp() const {
-        return stampVoids(voids, *domain, options);
-    }
-};
-
-}  // namespace
-
-TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest void", "[voids][stamp]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("stamped distances are those to the nearest void") {
     const Scene<Dim> scene(0.2);
     const double h = scene.options.voxelSize;
     const auto stamped = scene.stamp();
     typename StampedVoids<Dim>::Sampler distance(*stamped);
     RandomStream random(6, Dim);
     double worst = 0;
-    for (int i = 0; i < 40000; ++i) {
+    for (int i = 0; i < 15000; ++i) {
         const Vec<Dim> x = voxelAt(randomPoint(random, cube<Dim>(19.8)), scene.options);
         const double exact = distancesTo(scene.voids, x)[0];
         const double error = std::fabs(distance(x) - std::max(-3 * h, std::min(exact, 3 * h)));
@@ -60,8 +27,7 @@ TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest void", "[void
     CHECK(worst < 2e-3);
 }
 
-TEMPLATE_TEST_CASE_SIG("stamped voids repeat in a periodic cell", "[voids][stamp][periodic]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("stamped voids repeat in a periodic cell") {
     Scene<Dim> scene(0.2);
     PeriodicCell<Dim> cell{cube<Dim>(20), {}};
     cell.wraps.fill(true);
@@ -97,108 +63,7 @@ TEMPLATE_TEST_CASE_SIG("stamped voids repeat in a periodic cell", "[voids][stamp
           Approx(static_cast<double>(inside) / kPoints).margin(0.02));
 }
 
-namespace {
-
-template <int Dim>
-std::vector<const Ellipsoid<Dim>*> pointersTo(const std::vector<Ellipsoid<Dim>>& voids) {
-    std::vector<const Ellipsoid<Dim>*> all;
-    for (const auto& e : voids) all.push_back(&e);
-    return all;
-}
-
-/// A ball of radius 1 at `x` along the first axis.
-template <int Dim>
-Ellipsoid<Dim> ballAt(double x, std::uint32_t id = 0) {
-    Ellipsoid<Dim> e;
-    e.center[0] = x;
-    e.a = e.b = 1;
-    e.axis[0] = 1;
-    e.id = id;
-    return e;
-}
-
-}  // namespace
-
-TEMPLATE_TEST_CASE_SIG("voids that come near or overlap are joined as joinedDistance says",
-                       "[voids][stamp]", ((int Dim), Dim), 2, 3) {
-    Scene<Dim> scene(0.2);
-    const double h = scene.options.voxelSize;
-    VoidJoin& how = scene.options.join;
-    how = GENERATE(VoidJoin{0.05, 0, 1}, VoidJoin{0.3, 0, 1}, VoidJoin{0, 0.4, 1},
-                   VoidJoin{0.1, 0.3, 0.5});
-    CAPTURE(how.blend, how.strut, how.strutShare);
-    const auto stamped = scene.stamp();
-    typename StampedVoids<Dim>::Sampler distance(*stamped);
-    const auto voids = pointersTo(scene.voids);
-    RandomStream random(6, Dim);
-    std::size_t between = 0, struts = 0;
-    for (int i = 0; i < 20000; ++i) {
-        const Vec<Dim> x = voxelAt(randomPoint(random, cube<Dim>(19.8)), scene.options);
-        const double exact = joinedDistance(voids, x, how);
-        double nearest = std::numeric_limits<double>::infinity();
-        for (const auto& e : scene.voids) nearest = std::min(nearest, e.signedDistance(x));
-        if (how.strut == 0) REQUIRE(exact <= nearest + 1e-12);
-        // Deep in voids, those farther away are not blended.
-        const double tolerance = exact < -2.5 * h && how.strut > 0 ? 2e-2 : 4e-3;
-        CAPTURE(exact, nearest);
-        REQUIRE(std::fabs(distance(x) - std::max(-3 * h, std::min(exact, 3 * h))) < tolerance);
-        if (std::fabs(exact) < 4e-3) continue;
-        REQUIRE((distance(x) < 0) == (exact < 0));
-        if (std::fabs(exact) < h) REQUIRE(stamped->isIn(scene.voids, x) == (exact < 0));
-        between += exact < 0 && nearest > 0;
-        struts += exact > 0 && nearest < 0;
-    }
-    CHECK(between >= (how.blend > 0.2 ? 100 : how.blend > 0 ? 1 : 0));
-    CHECK((struts > 0) == (how.strut > 0));
-}
-
-TEMPLATE_TEST_CASE_SIG("blended, one void is what it was, and two that touch have merged",
-                       "[voids][stamp]", ((int Dim), Dim), 2, 3) {
-    const VoidJoin how{0.2, 0, 1};
-    const auto left = ballAt<Dim>(-1), right = ballAt<Dim>(1), far = ballAt<Dim>(40);
-    Vec<Dim> x;
-    x[0] = -2.1;
-    CHECK(joinedDistance<Dim>({&left}, x, how) == Approx(0.1));
-    CHECK(joinedDistance<Dim>({&left, &far}, x, how) == Approx(0.1));
-    CHECK(joinedDistance<Dim>({&left, &right}, {}, how) < 0);
-}
-
-TEMPLATE_TEST_CASE_SIG("a strut is as thick as asked, and lines have one by their share",
-                       "[voids][stamp]", ((int Dim), Dim), 2, 3) {
-    // Voids at equal angles about a line through the origin, far larger than the strut.
-    const double far = 50, depth = GENERATE(0.5, 5.0);
-    int kept = 0;
-    const int trials = 400;
-    for (int trial = 0; trial < trials; ++trial) {
-        std::vector<Ellipsoid<Dim>> voids;
-        for (int k = 0; k < Dim; ++k) {
-            Ellipsoid<Dim> e = ballAt<Dim>(0, static_cast<std::uint32_t>(trial * Dim + k));
-            const double angle = 2 * kPi * k / Dim;
-            e.center[0] = far * std::cos(angle);
-            e.center[1] = far * std::sin(angle);
-            e.a = e.b = far + depth;
-            voids.push_back(e);
-        }
-        const auto all = pointersTo(voids);
-        VoidJoin how{0, 0.4, 0.3};
-        kept += joinedDistance<Dim>(all, {}, how) > 0;
-        how.strutShare = 1;
-        for (const double angle : {0.1, 1.0, 2.5}) {
-            // 2D: across the line where both are equally near.
-            Vec<Dim> across;
-            across[0] = Dim == 2 ? 1 : std::cos(angle);
-            across[1] = Dim == 2 ? 0 : std::sin(angle);
-            CHECK(joinedDistance<Dim>(all, across * 0.38, how) > 0);
-            CHECK(joinedDistance<Dim>(all, across * 0.42, how) < 0);
-        }
-        how.strutShare = 0;
-        CHECK(joinedDistance<Dim>(all, {}, how) == Approx(-depth));
-    }
-    CHECK(kept == Approx(0.3 * trials).margin(40));
-}
-
-TEMPLATE_TEST_CASE_SIG("between voxels the error of distances is quadratic in the voxel size",
-                       "[voids][stamp]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("between voxels the error of distances is quadratic in the voxel size") {
     const auto domain = boxDomain<Dim>(cube<Dim>(20));
     Ellipsoid<Dim> e;
     e.a = 6;
@@ -211,7 +76,7 @@ TEMPLATE_TEST_CASE_SIG("between voxels the error of distances is quadratic in th
         const auto stamped = stampVoids<Dim>({e}, *domain, stampOptions(*domain, h));
         typename StampedVoids<Dim>::Sampler distance(*stamped);
         double worst = 0;
-        for (int i = 0; i < 40000; ++i) {
+        for (int i = 0; i < 15000; ++i) {
             const Vec<Dim> x = randomPoint(random, cube<Dim>(16));
             const double exact = e.signedDistance(x);
             if (std::fabs(exact) < h) worst = std::max(worst, std::fabs(distance(x) - exact));
@@ -224,15 +89,14 @@ TEMPLATE_TEST_CASE_SIG("between voxels the error of distances is quadratic in th
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("next to the interface the gradient of distances is one", "[voids][stamp]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("next to the interface the gradient of distances is one") {
     const Scene<Dim> scene(0.1);
     const double h = scene.options.voxelSize;
     const auto stamped = scene.stamp();
     typename StampedVoids<Dim>::Sampler distance(*stamped);
     RandomStream random(8, Dim);
     int looked = 0;
-    for (int i = 0; i < 200000 && looked < 4000; ++i) {
+    for (int i = 0; i < 100000 && looked < 1500; ++i) {
         const Vec<Dim> x = voxelAt(randomPoint(random, cube<Dim>(19)), scene.options);
         if (std::fabs(distance(x)) >= 1.5 * h) continue;
         // Not where two voids meet, nor where one is as narrow as the step.
@@ -251,8 +115,7 @@ TEMPLATE_TEST_CASE_SIG("next to the interface the gradient of distances is one",
     CHECK(looked > 500);
 }
 
-TEMPLATE_TEST_CASE_SIG("signs are right far inside a void and far outside", "[voids][stamp]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("signs are right far inside a void and far outside") {
     const auto domain = boxDomain<Dim>(cube<Dim>(40));
     // Larger than hundreds of voxels, side by side and across one another.
     std::vector<Ellipsoid<Dim>> voids(3);
@@ -264,7 +127,7 @@ TEMPLATE_TEST_CASE_SIG("signs are right far inside a void and far outside", "[vo
     const auto stamped = stampVoids(voids, *domain, options);
     typename StampedVoids<Dim>::Sampler distance(*stamped);
     RandomStream random(9, Dim);
-    for (int i = 0; i < 40000; ++i) {
+    for (int i = 0; i < 15000; ++i) {
         const Vec<Dim> x = randomPoint(random, cube<Dim>(40));
         const double exact = distancesTo(voids, x)[0];
         if (std::fabs(exact) < 0.01) continue;
@@ -278,8 +141,7 @@ TEMPLATE_TEST_CASE_SIG("signs are right far inside a void and far outside", "[vo
           1.2 * 6 * 0.1 * surface / std::pow(0.1, Dim));
 }
 
-TEMPLATE_TEST_CASE_SIG("stamping is the same for any number of threads and any order",
-                       "[voids][stamp]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("stamping is the same for any number of threads and any order") {
     const double shell = GENERATE(0.0, 1.3);
     CAPTURE(Dim, shell);
     Scene<Dim> scene(0.15, shell);
@@ -295,19 +157,18 @@ TEMPLATE_TEST_CASE_SIG("stamping is the same for any number of threads and any o
         return all;
     };
     const auto one = withThreads(1, [&] { return values(*scene.stamp()); });
-    for (const int threads : {2, 3, 8})
+    for (const int threads : {2, 8})
         REQUIRE(withThreads(threads, [&] { return values(*scene.stamp()); }) == one);
     shuffle(scene.voids, 77);
     REQUIRE(values(*scene.stamp()) == one);
 }
 
-TEMPLATE_TEST_CASE_SIG("overlapping voids are measured once", "[voids][stamp]", ((int Dim), Dim), 2,
-                       3) {
+DIM_TEST_CASE("overlapping voids are measured once") {
     const double shell = GENERATE(0.0, 1.7);
     CAPTURE(Dim, shell);
     const Scene<Dim> scene(0.1, shell);
     RandomStream random(11, Dim);
-    constexpr int kPoints = 200000;
+    constexpr int kPoints = 60000;
     int inside = 0;
     for (int i = 0; i < kPoints; ++i) {
         const Vec<Dim> x = randomPoint(random, cube<Dim>(20 - 2 * shell));
@@ -323,8 +184,7 @@ TEMPLATE_TEST_CASE_SIG("overlapping voids are measured once", "[voids][stamp]", 
           Approx(share).margin(4 * error + 5e-4));
 }
 
-TEMPLATE_TEST_CASE_SIG("voids that contain no voxel, or lie outside, have no volume",
-                       "[voids][stamp]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("voids that contain no voxel, or lie outside, have no volume") {
     const auto domain = ballDomain<Dim>(5);
     Ellipsoid<Dim> far, none;
     far.a = far.b = 3;
@@ -388,8 +248,7 @@ ShellFlaws<Dim> flawsOf(const Domain<Dim>& domain, const StampedVoids<Dim>& stam
     ShellFlaws<Dim> flaws;
     typename StampedVoids<Dim>::Sampler distance(stamped);
     const auto sampler = domain.sampler();
-    const double h = options.voxelSize;
-    const double error = domain.facts().voxelSize;
+    const double h = options.voxelSize, error = domain.facts().voxelSize;
     forEachVoxel(domain.bounds().grown(2 * h), options, [&](const Vec<Dim>& x) {
         const double d = distance(x);
         WallPoint<Dim> wall;
@@ -428,8 +287,7 @@ std::shared_ptr<const MeshDomain> fieldOf(TriangleMesh mesh, double voxelSize, d
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("no voxel of a void lies in the shell of a shape", "[voids][stamp]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("no voxel of a void lies in the shell of a shape") {
     checkShell<Dim>(*boxDomain<Dim>(cube<Dim>(10)), 0.2, 1.5);
     checkShell<Dim>(*ballDomain<Dim>(5), 0.2, 0.7);
     Vec<Dim> normal;
@@ -438,34 +296,34 @@ TEMPLATE_TEST_CASE_SIG("no voxel of a void lies in the shell of a shape", "[void
     checkShell<Dim>(*clippedDomain<Dim>(ballDomain<Dim>(5), {{normal, 2}}), 0.2, 1.1);
 }
 
-TEST_CASE("no voxel of a void lies in the shell of a mesh", "[voids][stamp]") {
+TEST_CASE("no voxel of a void lies in the shell of a mesh") {
     const double fieldVoxel = GENERATE(0.2, 0.8);
     const double shell = 1.5;
-    const auto ball = fieldOf(test::ballMesh(6, 4), fieldVoxel, 1.1 * shell + 10 * 0.2);
+    const auto ball = fieldOf(ballMesh(6, 4), fieldVoxel, 1.1 * shell + 10 * 0.2);
     checkShell<3>(*ball, 0.2, shell);
     checkShell<3>(*clippedDomain<3>(ball, {{{{1, 0.3, -0.2}}, 2}}), 0.2, shell);
     checkShell<2>(*sliceDomain(ball, 1.2), 0.1, shell);
 }
 
-TEST_CASE("a shell is complete at edges that the field is too coarse for", "[voids][stamp]") {
+TEST_CASE("a shell is complete at edges that the field is too coarse for") {
     // Around the cavity distances bend most: the field takes points for deeper than they are.
-    const auto mesh = test::merged(test::boxMesh({{-5, -5, -5}}, {{5, 5, 5}}),
-                                   test::flipped(test::boxMesh({{-2, -2, -2}}, {{2, 2, 2}})));
+    const auto mesh =
+        merged(boxMesh({{-5, -5, -5}}, {{5, 5, 5}}), flipped(boxMesh({{-2, -2, -2}}, {{2, 2, 2}})));
     const auto domain = fieldOf(mesh, 0.9, 3);
     // In the corners of the box it takes some for outside.
     checkShell<3>(*domain, 0.08, 0.35, 0.45);
 }
 
-TEST_CASE("voids have their full band even if the field of the bone is shallow", "[voids][stamp]") {
-    const auto domain = fieldOf(test::ballMesh(6, 4), 0.25, 1.1 * 1.5);
+TEST_CASE("voids have their full band even if the field of the bone is shallow") {
+    const auto domain = fieldOf(ballMesh(6, 4), 0.25, 1.1 * 1.5);
     CAPTURE(domain->fieldDepth());
     checkShell<3>(*domain, 0.3, 1.5);
     checkShell<3>(*clippedDomain<3>(domain, {{{{1, 0.3, -0.2}}, 2}}), 0.3, 1.5);
     checkShell<2>(*sliceDomain(domain, 1.2), 0.3, 1.5);
 }
 
-TEST_CASE("the shell stays solid to the last voxel", "[voids][stamp]") {
-    const auto mesh = fieldOf(test::ballMesh(6, 4), 0.3, 3.6);
+TEST_CASE("the shell stays solid to the last voxel") {
+    const auto mesh = fieldOf(ballMesh(6, 4), 0.3, 3.6);
     const std::vector<std::shared_ptr<const Domain<3>>> domains{
         mesh, boxDomain<3>(cube<3>(10)), ballDomain<3>(5),
         clippedDomain<3>(mesh, {{{{1, 0.3, -0.2}}, 2}}), cylinderDomain(4, 9)};
@@ -500,12 +358,12 @@ TEST_CASE("the shell stays solid to the last voxel", "[voids][stamp]") {
     }
 }
 
-TEST_CASE("voids of a plane have no level set in space", "[voids][stamp]") {
+TEST_CASE("voids of a plane have no level set in space") {
     const auto domain = ballDomain<2>(5);
     CHECK_THROWS_AS(stampVoids<2>({}, *domain, stampOptions(*domain, 0.2))->grid(), ParameterError);
 }
 
-TEST_CASE("a wide reach for culling does not change the level set", "[voids][stamp]") {
+TEST_CASE("a wide reach for culling does not change the level set") {
     const Scene<3> scene(0.25);
     auto wide = scene.options;
     wide.reach = 3;
@@ -516,7 +374,7 @@ TEST_CASE("a wide reach for culling does not change the level set", "[voids][sta
     CHECK(a.distance == b.distance);
     StampedVoids<3>::Sampler distance(*far);
     RandomStream random(13, 3);
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < 8000; ++i) {
         const Vec<3> x = voxelAt(randomPoint(random, cube<3>(19.8)), wide);
         const double exact = distancesTo(scene.voids, x)[0];
         REQUIRE(distance(x) == Approx(std::clamp(exact, -0.75, 3.0)).margin(2e-3));

@@ -1,25 +1,8 @@
 // Directions of voids in whole runs, found again in the solid that is written.
-#include "cli/recipes.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/jobs.h"
+#include "support/test.h"
 
-#include "vdbpack/core/rng.h"
-#include "vdbpack/core/sphere.h"
-#include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/field/voxel_image.h"
-#include "vdbpack/measure/morphometry/morphometry.h"
-#include "vdbpack/run/run.h"
 #include "vdbpack/voids/void_list.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <string>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -37,10 +20,8 @@ VoidsJob orientedVoids(double side, const std::string& file) {
     VoidsJob recipe;
     const std::string s = std::to_string(side);
     recipe.domain.source = "box:" + s + "," + s + "," + s;
-    recipe.request.method = "boolean";
-    recipe.request.radius = "constant:0.5";
+    setVoids(recipe.request, "boolean", "constant:0.5", 0.25);
     recipe.request.aspect = "constant:3";
-    recipe.request.targetBvtv = 0.25;
     recipe.request.voxelSize = 0.2;
     recipe.outputs = {file};
     return recipe;
@@ -48,7 +29,7 @@ VoidsJob orientedVoids(double side, const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("the direction wanted is the direction found", "[run][voids][long]") {
+TEST_CASE("the direction wanted is the direction found", "[long]") {
     const TemporaryFolder folder;
     auto recipe = orientedVoids(16, folder.file("v.vdb"));
     const Box<3> box{{{-8, -8, -8}}, {{8, 8, 8}}};
@@ -72,7 +53,7 @@ TEST_CASE("the direction wanted is the direction found", "[run][voids][long]") {
     CHECK(none.degree < 0.15);
 }
 
-TEST_CASE("voids follow a field that turns, whatever its signs", "[run][voids]") {
+TEST_CASE("voids follow a field that turns, whatever its signs") {
     const TemporaryFolder folder;
     const double side = 24;
     const auto direction = [&](double x) {

@@ -1,26 +1,12 @@
 #include "support/generators.h"
-#include "support/message_of.h"
-#include "support/text_file.h"
+#include "support/test.h"
 #include "voids/stamping.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/voids/void_field.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <limits>
-#include <memory>
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -46,8 +32,8 @@ bool same(const std::vector<Ellipsoid<Dim>>& a, const std::vector<Ellipsoid<Dim>
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("overlapping voids leave the share exp(-n v)", "[voids][field][long]",
-                       ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("overlapping voids leave the share exp(-n v)", "[long]", ((int Dim), Dim), 2,
+                       3) {
     const double share = GENERATE(0.05, 0.15, 0.36);
     const auto seed = GENERATE(1u, 2u, 3u);
     // One realization scatters by about sqrt(p (1 - p) v / V): 0.002 in a cube of 40 half-axes. A
@@ -65,8 +51,7 @@ TEMPLATE_TEST_CASE_SIG("overlapping voids leave the share exp(-n v)", "[voids][f
     CHECK(std::fabs(solid - share) < 0.01);
 }
 
-TEMPLATE_TEST_CASE_SIG("voids of many sizes leave the share exp(-n v) of their mean measure",
-                       "[voids][field]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("voids of many sizes leave the share exp(-n v) of their mean measure") {
     const double side = Dim == 3 ? 40 : 300;
     const auto domain = ballDomain<Dim>(side / 2);
     const auto shape = shapeOf<Dim>("uniform:0.3,1", "uniform:0.5,2", domain->bounds(),
@@ -82,8 +67,7 @@ TEMPLATE_TEST_CASE_SIG("voids of many sizes leave the share exp(-n v) of their m
     CHECK(1 - stamped->volume() / region.volume() == Approx(0.2).margin(0.01));
 }
 
-TEMPLATE_TEST_CASE_SIG("voids are the same for any number of threads", "[voids][field]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("voids are the same for any number of threads") {
     const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 30 : 200));
     const auto shape = shapeOf<Dim>("uniform:0.3,1", "uniform:1,3", domain->bounds());
     const double density = Dim == 3 ? 1.2 : 0.8;
@@ -100,8 +84,7 @@ TEMPLATE_TEST_CASE_SIG("voids are the same for any number of threads", "[voids][
                      [](const auto& a, const auto& b) { return same(a, b); }));
 }
 
-TEMPLATE_TEST_CASE_SIG("all listed voids can reach deeper than the shell", "[voids][field]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("all listed voids can reach deeper than the shell") {
     const double shell = GENERATE(0.0, 1.0);
     const auto check = [&](const Domain<Dim>& domain) {
         CAPTURE(domain.facts().kind, shell);
@@ -121,15 +104,14 @@ TEMPLATE_TEST_CASE_SIG("all listed voids can reach deeper than the shell", "[voi
     FieldOptions options;
     options.voxelSize = 0.3;  // the field knows distances outside to 0.45 mm
     options.depth = 3;
-    const auto mesh = meshDomain(test::torusMesh(10, 4, 96, 48), options);
+    const auto mesh = meshDomain(torusMesh(10, 4, 96, 48), options);
     if constexpr (Dim == 3)
         check(*mesh);
     else
         check(*sliceDomain(mesh, 0.3));
 }
 
-TEMPLATE_TEST_CASE_SIG("an ellipsoid fills each box that a matrix selects", "[voids][field]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("an ellipsoid fills each box that a matrix selects") {
     VoidMatrix matrix;
     matrix.size = {4, 3, Dim == 3 ? 2 : 1};
     matrix.cells = {1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1};
@@ -166,9 +148,7 @@ TEMPLATE_TEST_CASE_SIG("an ellipsoid fills each box that a matrix selects", "[vo
     CHECK(stamped->volume() == Approx(sum).epsilon(0.01));
 }
 
-TEMPLATE_TEST_CASE_SIG(
-    "boxes kept at a smaller probability are a subset of those kept at a larger one",
-    "[voids][field]", ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("boxes kept at a smaller probability are a subset of those kept at a larger one") {
     const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 20 : 80));
     const std::vector<double> cell =
         Dim == 3 ? std::vector<double>{1, 0.8, 1} : std::vector<double>{1, 0.8};
@@ -195,8 +175,7 @@ TEMPLATE_TEST_CASE_SIG(
                      latticeVoids<Dim>({*domain}, lattice, nullptr, 0.37, 7)));
 }
 
-TEST_CASE("a matrix smaller than the lattice repeats, a single layer applies to all",
-          "[voids][field]") {
+TEST_CASE("a matrix smaller than the lattice repeats, a single layer applies to all") {
     VoidMatrix matrix;
     matrix.size = {2, 2, 1};
     matrix.cells = {1, 0, 0, 1};
@@ -226,8 +205,7 @@ TEST_CASE("a matrix smaller than the lattice repeats, a single layer applies to 
     CHECK_THROWS_AS(voidLattice<3>(space->bounds(), {1e-4}, nullptr), ResourceError);
 }
 
-TEMPLATE_TEST_CASE_SIG("ellipsoids lie inside spheres or enclose them", "[voids][field]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("ellipsoids lie inside spheres or enclose them") {
     std::vector<Sphere<Dim>> spheres(500);
     RandomStream random(14, Dim);
     for (auto& s : spheres) {

@@ -1,19 +1,10 @@
-#include "support/message_of.h"
-#include "support/text_file.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/voids/void_list.h"
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
 #include <iterator>
-#include <sstream>
 
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
 
 namespace {
@@ -71,8 +62,7 @@ Ellipsoid<Dim> onlyVoid(const std::string& content, double scale = 1) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("a void list is read back to the last bit", "[voids]", ((int Dim), Dim), 2,
-                       3) {
+DIM_TEST_CASE("a void list is read back to the last bit") {
     const auto voids = randomVoids<Dim>(500, 3);
     const TemporaryFolder folder;
     const std::string path = folder.file("list.csv");
@@ -89,8 +79,7 @@ TEMPLATE_TEST_CASE_SIG("a void list is read back to the last bit", "[voids]", ((
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("angles in a void list give the axis, in the plane too", "[voids]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("angles in a void list give the axis, in the plane too") {
     const auto voids = randomVoids<Dim>(100, 4);
     const std::string text = voidListText(voids, Unit::millimeter, 12.5);
     REQUIRE_THAT(text, StartsWith("x,y,z,a,b,theta_z,theta_x,ux,uy,uz,id\n"));
@@ -110,7 +99,7 @@ TEMPLATE_TEST_CASE_SIG("angles in a void list give the axis, in the plane too", 
     }
 }
 
-TEST_CASE("a list in another unit is the same list", "[voids]") {
+TEST_CASE("a list in another unit is the same list") {
     const auto voids = randomVoids<3>(50, 5);
     const TextFile file(voidListText(voids, Unit::meter));
     const auto back = readVoidList<3>(file.path(), 1000);
@@ -121,7 +110,7 @@ TEST_CASE("a list in another unit is the same list", "[voids]") {
     }
 }
 
-TEST_CASE("columns of a void list may have any order and any of their names", "[voids]") {
+TEST_CASE("columns of a void list may have any order and any of their names") {
     const auto e = onlyVoid<3>("# from a scanner\nid;B;A;Z;Y;X;uz;uy;ux\n7;1;2;5;4;3;0;-3;0\n");
     CHECK(e.center == Vec<3>{{3, 4, 5}});
     CHECK(e.a == 2);
@@ -136,7 +125,7 @@ TEST_CASE("columns of a void list may have any order and any of their names", "[
     CHECK(length(flat.axis - Vec<2>{{0.6, 0.8}}) < 1e-15);
 }
 
-TEST_CASE("an axis is given by angles or a direction, by neither where a equals b", "[voids]") {
+TEST_CASE("an axis is given by angles or a direction, by neither where a equals b") {
     CHECK(onlyVoid<3>("x,y,z,a,b\n0,0,0,2,2\n").axis == Vec<3>{{0, 0, 1}});
     CHECK(onlyVoid<2>("x,y,a,b\n0,0,2,2\n").axis == Vec<2>{{1, 0}});
     CHECK(onlyVoid<3>("x,y,z,a,b,ux,uy,uz\n0,0,0,2,2,,,\n").axis == Vec<3>{{0, 0, 1}});
@@ -152,7 +141,7 @@ TEST_CASE("an axis is given by angles or a direction, by neither where a equals 
                Contains("line 2") && Contains("(0, 0, 0)"));
 }
 
-TEST_CASE("a void of the plane may lie at any height, but its axis lies in the plane", "[voids]") {
+TEST_CASE("a void of the plane may lie at any height, but its axis lies in the plane") {
     CHECK(onlyVoid<2>("x,y,z,a,b,ux,uy,uz\n1,2,99,3,1,0,2,0.0001\n").axis[1] == 1);
     CHECK(length(onlyVoid<2>("x,y,a,b,theta_z,theta_x\n0,0,3,1,1.5707963,1.5707963\n").axis -
                  Vec<2>{{1, 0}}) < 1e-7);
@@ -162,7 +151,7 @@ TEST_CASE("a void of the plane may lie at any height, but its axis lies in the p
                Contains("line 2") && Contains("plane"));
 }
 
-TEST_CASE("a malformed void list is refused with its line and value", "[voids]") {
+TEST_CASE("a malformed void list is refused with its line and value") {
     CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,1,1\n0,0,0,-2,1\n"),
                Contains("list.csv: line 3") && Contains("a = -2 and b = 1"));
     CHECK_THAT(failure<3>("x,y,z,a,b\n\n0,0,0,1,0\n"),

@@ -1,19 +1,9 @@
-#include "support/message_of.h"
-#include "support/text_file.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/voids/void_list.h"
 
-#include <catch2/catch.hpp>
-
-#include <array>
 #include <cstddef>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -40,14 +30,14 @@ Indices onesOf(const VoidMatrix& m) {
 
 }  // namespace
 
-TEST_CASE("a void matrix is read as printed on paper", "[voids]") {
+TEST_CASE("a void matrix is read as printed on paper") {
     const auto m = read("110\n000\n001\n100\n");
     REQUIRE(m.size == std::array<int, 3>{3, 4, 1});
     // The first row is the top.
     CHECK(onesOf(m) == Indices{{0, 0, 0}, {2, 1, 0}, {0, 3, 0}, {1, 3, 0}});
 }
 
-TEST_CASE("cells of a void matrix may be separated in any way", "[voids]") {
+TEST_CASE("cells of a void matrix may be separated in any way") {
     const auto expected = read("0110\n1000\n");
     for (const char* content :
          {"0,1,1,0\n1,0,0,0", "0 1 1 0\n1 0 0 0\n", "  0\t11 0\r\n1000\r\n\r\n",
@@ -59,13 +49,13 @@ TEST_CASE("cells of a void matrix may be separated in any way", "[voids]") {
     }
 }
 
-TEST_CASE("blank lines separate the layers of a void matrix, the lowest first", "[voids]") {
+TEST_CASE("blank lines separate the layers of a void matrix, the lowest first") {
     const auto m = read("10\n00\n\n\n# upper\n01\n11\n\n00\n00\n");
     REQUIRE(m.size == std::array<int, 3>{2, 2, 3});
     CHECK(onesOf(m) == Indices{{0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}});
 }
 
-TEST_CASE("any void matrix is read back from its text", "[voids]") {
+TEST_CASE("any void matrix is read back from its text") {
     RandomStream random(8, 1);
     for (int round = 0; round < 20; ++round) {
         VoidMatrix m;
@@ -83,7 +73,7 @@ TEST_CASE("any void matrix is read back from its text", "[voids]") {
     }
 }
 
-TEST_CASE("a malformed void matrix is refused with its line", "[voids]") {
+TEST_CASE("a malformed void matrix is refused with its line") {
     CHECK_THAT(failure(""), Contains("m.txt"));
     CHECK_THAT(failure("# no cells\n\n"), Contains("m.txt"));
     CHECK_THAT(failure("01\n0x\n"), Contains("m.txt: line 2") && Contains("'x'"));

@@ -1,11 +1,15 @@
 // Recipes of runs with voids, by method.
 #pragma once
 
-#include "cli/recipes.h"
+#include "support/jobs.h"
 
 #include "vdbpack/run/run.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
+#include <variant>
+#include <vector>
 
 namespace vdbpack::test {
 
@@ -20,12 +24,8 @@ PackJob packOf(const std::string& method) {
 /// Voids of the Boolean model in a box of side 10, for a BV/TV.
 /// @param radius  SPEC of the shorter half-axis.
 inline VoidsJob booleanRecipe(double bvtv, const std::string& radius, const std::string& output) {
-    VoidsJob recipe;
-    recipe.domain.source = "box:10,10,10";
-    recipe.request.method = "boolean";
-    recipe.request.radius = radius;
-    recipe.request.targetBvtv = bvtv;
-    recipe.outputs = {output};
+    auto recipe = voidsIn("box:10,10,10", output);
+    setVoids(recipe.request, "boolean", radius, bvtv);
     return recipe;
 }
 
@@ -46,6 +46,25 @@ PackJob methodRecipe(const std::string& method) {
         v.probability = 0.03;
     }
     return recipe;
+}
+
+template <int Dim>
+const Pack<Dim>& packIn(const RunResult& run) {
+    return std::get<Pack<Dim>>(run.pack);
+}
+
+/// Positions and radii alone, to be found again.
+template <int Dim>
+std::vector<std::array<double, Dim + 1>> sorted(const std::vector<Sphere<Dim>>& spheres) {
+    std::vector<std::array<double, Dim + 1>> all;
+    for (const auto& s : spheres) {
+        std::array<double, Dim + 1> one;
+        for (std::size_t d = 0; d < Dim; ++d) one[d] = s.center.c[d];
+        one[Dim] = s.radius;
+        all.push_back(one);
+    }
+    std::sort(all.begin(), all.end());
+    return all;
 }
 
 }  // namespace vdbpack::test

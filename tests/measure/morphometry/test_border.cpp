@@ -1,18 +1,12 @@
 // What the border of the total volume does to morphometry.
 #include "measure/morphometry/voxel_images.h"
+#include "support/test.h"
 
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/label_voxels.h"
 #include "vdbpack/measure/morphometry/border.h"
 #include "vdbpack/measure/morphometry/euler.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
-
-#include <catch2/catch.hpp>
-
-#include <limits>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -41,7 +35,7 @@ double insideBox(const Vec<3>& x, double half) {
 
 }  // namespace
 
-TEST_CASE("pores end at the wall where the solid ends", "[morphometry]") {
+TEST_CASE("pores end at the wall where the solid ends") {
     // A body of plates and rods with air around it, as a bone with open pores has.
     const bool ball = GENERATE(true, false);
     CAPTURE(ball);
@@ -75,7 +69,7 @@ TEST_CASE("pores end at the wall where the solid ends", "[morphometry]") {
     }
 }
 
-TEST_CASE("a pore wider than the domain counts as wide as the domain at most", "[morphometry]") {
+TEST_CASE("a pore wider than the domain counts as wide as the domain at most") {
     // One bead in a corner: balls in the opposite corner meet nothing else.
     const auto bead = [](const Vec<3>& x) { return length(x - Vec<3>{{9, 9, 9}}) - 3; };
     SECTION("a box cut from a sample") {
@@ -92,7 +86,7 @@ TEST_CASE("a pore wider than the domain counts as wide as the domain at most", "
     }
 }
 
-TEST_CASE("a part of a lattice has the connectivity density of the lattice", "[morphometry]") {
+TEST_CASE("a part of a lattice has the connectivity density of the lattice") {
     // Two loops a cell, whatever the shape and wherever it cuts; less what chance cuts add.
     const bool ball = GENERATE(true, false);
     CAPTURE(ball);
@@ -111,7 +105,7 @@ TEST_CASE("a part of a lattice has the connectivity density of the lattice", "[m
     CHECK_FALSE(m.border.poresNearWall);
 }
 
-TEST_CASE("regions are measured as the whole is, and add up to it", "[morphometry]") {
+TEST_CASE("regions are measured as the whole is, and add up to it") {
     // Thin plates across x in the shell, thick ones across z in the core.
     const double half = 30, shell = 12;
     const Slabs thin{{{1, 0, 0}}, 3, 6, 0.4}, thick{{{0, 0, 1}}, 6, 12, 0.7};
@@ -135,7 +129,7 @@ TEST_CASE("regions are measured as the whole is, and add up to it", "[morphometr
     CHECK(inner.connectivityDensity == Approx((1 - inner.deltaEuler) / inner.totalVolume));
 }
 
-TEST_CASE("voxels beyond the wall count for nothing", "[morphometry]") {
+TEST_CASE("voxels beyond the wall count for nothing") {
     // Where wall and solid are one surface, a voxel more or less is chance.
     auto image = voxelImage(40, 1.0, [](const Vec<3>& x) { return std::abs(length(x) - 12) - 4; });
     labelVoxels(image, *ballDomain<3>(16), 0, true);
@@ -152,7 +146,7 @@ TEST_CASE("voxels beyond the wall count for nothing", "[morphometry]") {
     CHECK(after.border.continued < 0.2);
 }
 
-TEST_CASE("shares of the border are those of its faces", "[morphometry]") {
+TEST_CASE("shares of the border are those of its faces") {
     // Half of a cube is solid, up to and beyond the border of the inner cube.
     auto image = voxelImage(
         16, 1.0, [](const Vec<3>& x) { return x[2]; }, 4);

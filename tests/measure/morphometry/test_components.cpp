@@ -1,17 +1,11 @@
 // Share of the solid in its largest connected component.
 #include "measure/morphometry/voxel_images.h"
+#include "support/test.h"
 
 #include "vdbpack/measure/morphometry/components.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
 #include <cstddef>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -51,7 +45,7 @@ double filledShare(const VoxelImage& image) {
 
 }  // namespace
 
-TEST_CASE("the largest component is that of filling from voxel to voxel", "[morphometry]") {
+TEST_CASE("the largest component is that of filling from voxel to voxel") {
     const auto seed = GENERATE(range(1u, 31u));
     CAPTURE(seed);
     RandomStream random(seed, 7);
@@ -69,7 +63,7 @@ TEST_CASE("the largest component is that of filling from voxel to voxel", "[morp
     REQUIRE(largestComponentShare(image).value() == filledShare(image));
 }
 
-TEST_CASE("the largest of two balls has its share of the solid", "[morphometry]") {
+TEST_CASE("the largest of two balls has its share of the solid") {
     const auto balls = [](double apart) {
         return voxelImage(40, 0.5, [=](const Vec<3>& x) {
             const Vec<3> left{{-4.3, 0, 0}}, right{{apart - 4.3, 0, 0}};
@@ -81,7 +75,7 @@ TEST_CASE("the largest of two balls has its share of the solid", "[morphometry]"
     REQUIRE(measureMorphometry(balls(6.5)).largestComponent.value() == 1);
 }
 
-TEST_CASE("the total volume alone connects", "[morphometry]") {
+TEST_CASE("the total volume alone connects") {
     auto image = voxelImage(
         12, 1.0, [](const Vec<3>& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5) - 2.2; });
     REQUIRE(largestComponentShare(image).value() == 1);
@@ -90,7 +84,7 @@ TEST_CASE("the total volume alone connects", "[morphometry]") {
     REQUIRE(largestComponentShare(image).value() == Approx(7.0 / 11));
 }
 
-TEST_CASE("no solid has no largest component", "[morphometry]") {
+TEST_CASE("no solid has no largest component") {
     const auto image = voxelImage(4, 1.0, [](const Vec<3>&) { return 1.0; });
     REQUIRE_FALSE(largestComponentShare(image));
     REQUIRE_FALSE(measureMorphometry(image).largestComponent);

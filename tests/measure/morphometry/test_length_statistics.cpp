@@ -1,20 +1,10 @@
 // Distributions of thickness: quantiles, and their Kolmogorov-Smirnov distance.
 #include "measure/morphometry/voxel_images.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/measure/morphometry/phase_tally.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -43,7 +33,7 @@ double shareBelow(const LengthStatistics& s, double x) {
 
 }  // namespace
 
-TEST_CASE("quantiles are those of the sorted voxels", "[morphometry]") {
+TEST_CASE("quantiles are those of the sorted voxels") {
     const auto threads = GENERATE(1, 7);
     RandomStream random(4, 4);
     auto image = voxelImage(24, 0.5, [](const Vec<3>& x) { return x[0]; });
@@ -66,7 +56,7 @@ TEST_CASE("quantiles are those of the sorted voxels", "[morphometry]") {
     REQUIRE(s.quantile(25) == s.quantiles[25]);
 }
 
-TEST_CASE("walls of two widths have their quantiles", "[morphometry]") {
+TEST_CASE("walls of two widths have their quantiles") {
     // 8 and 16 voxels wide, so that a third of the voxels is in the thin ones.
     const auto image = voxelImage(
         96, 0.1,
@@ -85,7 +75,7 @@ TEST_CASE("walls of two widths have their quantiles", "[morphometry]") {
             Approx(2.0 / 3).margin(0.01));
 }
 
-TEST_CASE("distributions have their Kolmogorov-Smirnov distance", "[morphometry]") {
+TEST_CASE("distributions have their Kolmogorov-Smirnov distance") {
     const auto even = distribution([](double p) { return p; });
     REQUIRE(ksDistance(even, even) == 0);
     REQUIRE(ksDistance(even, distribution([](double p) { return p + 0.3; })) == Approx(0.3));
@@ -101,7 +91,7 @@ TEST_CASE("distributions have their Kolmogorov-Smirnov distance", "[morphometry]
     REQUIRE_THROWS_AS(ksDistance(even, LengthStatistics{}), ParameterError);
 }
 
-TEST_CASE("the distance of distributions is the largest difference anywhere", "[morphometry]") {
+TEST_CASE("the distance of distributions is the largest difference anywhere") {
     const auto seed = GENERATE(range(1u, 9u));
     CAPTURE(seed);
     RandomStream random(seed, 6);

@@ -1,31 +1,19 @@
 // Morphometry beside BoneJ's definitions on plain voxels, written for clarity.
 #include "measure/morphometry/voxel_images.h"
+#include "support/test.h"
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/morphometry/mean_intercept.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include <functional>
-#include <limits>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-
 namespace {
 
-/// BoneJ's definitions on plain voxels, written for clarity: the distance of a voxel is that of its
-/// center to the nearest center of the other phase (so that a slab of n voxels has n or n + 1),
-/// balls are centered on voxels and cover the centers within, and a voxel's thickness is the
-/// diameter of the largest ball that covers it. Beyond the image there is nothing.
-double plainThickness(const VoxelImage& image, bool solid) {
+/// The squared distances of the voxels of a phase, in voxels, to the nearest of the other phase.
+std::vector<float> squaredDistances(const VoxelImage& image, bool solid) {
     const std::int64_t n = image.size[0];
-    const auto at = [n](std::int64_t x, std::int64_t y, std::int64_t z) {
-        return static_cast<std::size_t>((z * n + y) * n + x);
-    };
     constexpr float kFar = 1e9f;
     std::vector<float> square(image.voxels());
     for (std::size_t i = 0; i < square.size(); ++i)
@@ -50,6 +38,19 @@ double plainThickness(const VoxelImage& image, bool solid) {
             }
         });
     }
+    return square;
+}
+
+/// BoneJ's definitions on plain voxels, written for clarity: the distance of a voxel is that of its
+/// center to the nearest center of the other phase (so that a slab of n voxels has n or n + 1),
+/// balls are centered on voxels and cover the centers within, and a voxel's thickness is the
+/// diameter of the largest ball that covers it. Beyond the image there is nothing.
+double plainThickness(const VoxelImage& image, bool solid) {
+    const std::int64_t n = image.size[0];
+    const auto at = [n](std::int64_t x, std::int64_t y, std::int64_t z) {
+        return static_cast<std::size_t>((z * n + y) * n + x);
+    };
+    const std::vector<float> square = squaredDistances(image, solid);
     // Balls inside the ball of a neighbor cover nothing of their own.
     struct Center {
         std::int64_t x, y, z;
@@ -171,8 +172,7 @@ void compareWithPlainVoxels(std::int64_t n) {
     REQUIRE(m.thickness);
     REQUIRE(m.separation);
     REQUIRE(m.anisotropy);
-    const double da = m.anisotropy->degree;
-    const double lines = plainAnisotropy(image, 0.5, true);
+    const double da = m.anisotropy->degree, lines = plainAnisotropy(image, 0.5, true);
     const double voxelLines = plainAnisotropy(image, 2.3, false);
     CAPTURE(n, m.thickness->mean, thickness, m.separation->mean, separation, da, lines, voxelLines);
     REQUIRE(thickness > 30 * image.voxelSize);
@@ -197,11 +197,10 @@ void compareWithPlainVoxels(std::int64_t n) {
 
 }  // namespace
 
-TEST_CASE("the figures are those of BoneJ's definitions on plain voxels", "[morphometry][long]") {
+TEST_CASE("the figures are those of BoneJ's definitions on plain voxels", "[long]") {
     compareWithPlainVoxels(80);
 }
 
-TEST_CASE("the figures are those of BoneJ's definitions on more plain voxels",
-          "[morphometry][.slow]") {
+TEST_CASE("the figures are those of BoneJ's definitions on more plain voxels", "[.slow]") {
     compareWithPlainVoxels(160);
 }

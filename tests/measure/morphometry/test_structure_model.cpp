@@ -1,16 +1,11 @@
 // Structure model index, and the curvature that it is from.
 #include "measure/morphometry/voxel_images.h"
+#include "support/test.h"
 
 #include "vdbpack/measure/morphometry/curvature.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
 #include <cstddef>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -51,7 +46,7 @@ struct Pair {
 
 }  // namespace
 
-TEST_CASE("balls have a structure model index of 4", "[morphometry][smi]") {
+TEST_CASE("balls have a structure model index of 4") {
     const double radius = GENERATE(4.3, 6.0, 10.0, 15.0);
     CAPTURE(radius);
     const Vec<3> center{{0.3, -0.2, 0.45}};
@@ -61,7 +56,7 @@ TEST_CASE("balls have a structure model index of 4", "[morphometry][smi]") {
     REQUIRE(integral(image) == within(8 * kPi * radius, radius < 10 ? 0.01 : 0.002));
 }
 
-TEST_CASE("rods that the image cuts have a structure model index of 3", "[morphometry][smi]") {
+TEST_CASE("rods that the image cuts have a structure model index of 3") {
     const double tilt = GENERATE(0.0, 0.15, 0.4);
     const std::int64_t margin = GENERATE(0, 6);
     CAPTURE(tilt, margin);
@@ -73,7 +68,7 @@ TEST_CASE("rods that the image cuts have a structure model index of 3", "[morpho
     REQUIRE(integral(image) == within(m.solidSurface / 10, 0.02));
 }
 
-TEST_CASE("slabs have a structure model index of 0", "[morphometry][smi]") {
+TEST_CASE("slabs have a structure model index of 0") {
     const int i = GENERATE(range(0, 4));
     CAPTURE(i);
     REQUIRE(smi(voxelImage(48, 1.0, Slabs{direction(i), 10, 1e6, 0.3})) == Approx(0).margin(1e-3));
@@ -81,7 +76,7 @@ TEST_CASE("slabs have a structure model index of 0", "[morphometry][smi]") {
             Approx(0).margin(1e-3));
 }
 
-TEST_CASE("closed pores have a negative structure model index", "[morphometry][smi]") {
+TEST_CASE("closed pores have a negative structure model index") {
     const double radius = 12;
     const auto image = voxelImage(40, 1.0, [&](const Vec<3> &x) { return radius - length(x); });
     REQUIRE(integral(image) == within(-8 * kPi * radius, 0.005));
@@ -90,7 +85,7 @@ TEST_CASE("closed pores have a negative structure model index", "[morphometry][s
     REQUIRE(smi(image) == within(-6 * solid * 8 * kPi * radius / (area * area), 0.03));
 }
 
-TEST_CASE("the structure model index needs no exact distances", "[morphometry][smi]") {
+TEST_CASE("the structure model index needs no exact distances") {
     // The gradient has the length 0.4 at the surface, and changes across it.
     const auto image =
         voxelImage(40, 1.0, [](const Vec<3> &x) { return (squaredLength(x) - 144) / 60; });
@@ -102,7 +97,7 @@ TEST_CASE("the structure model index needs no exact distances", "[morphometry][s
     REQUIRE(smi(binary) == within(3.65, 0.02));
 }
 
-TEST_CASE("edges of unions and intersections bend by their angle", "[morphometry][smi]") {
+TEST_CASE("edges of unions and intersections bend by their angle") {
     const int i = GENERATE(range(0, 4));
     CAPTURE(i);
     const Pair pair{direction(i)};
@@ -119,7 +114,7 @@ TEST_CASE("edges of unions and intersections bend by their angle", "[morphometry
     REQUIRE(integral(lens) == within(2 / r * Pair::area(-1) + Pair::edge(), 0.02));
 }
 
-TEST_CASE("edges of a cube bend by a right angle", "[morphometry][smi]") {
+TEST_CASE("edges of a cube bend by a right angle") {
     const int i = GENERATE(range(0, 4));
     CAPTURE(i);
     const Vec<3> u = direction(i);
@@ -131,7 +126,7 @@ TEST_CASE("edges of a cube bend by a right angle", "[morphometry][smi]") {
     REQUIRE(smi(cube) == within(kPi, 0.06));
 }
 
-TEST_CASE("curvature belongs to the labels of the solid", "[morphometry][smi]") {
+TEST_CASE("curvature belongs to the labels of the solid") {
     auto image = voxelImage(40, 0.5, [](const Vec<3> &x) { return length(x) - 6; });
     const double whole = integral(image);
     image.label.assign(image.voxels(), 3);
@@ -146,7 +141,7 @@ TEST_CASE("curvature belongs to the labels of the solid", "[morphometry][smi]") 
     REQUIRE(m.structureModelIndex.value() == within(4, 0.02));
 }
 
-TEST_CASE("noise has a bounded curvature, and thin images none", "[morphometry][smi]") {
+TEST_CASE("noise has a bounded curvature, and thin images none") {
     RandomStream random(5, 5);
     auto image = voxelImage(20, 1.0, [&](const Vec<3> &) { return -1.0; });
     for (float &d : image.distance) d = static_cast<float>(random.uniform() - 0.5);

@@ -1,20 +1,11 @@
 // Surfaces in the files of VTK and ParaView.
 #include "mesh/formats/vtk_files.h"
 #include "support/generators.h"
-#include "support/message_of.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
-#include "vdbpack/mesh/mesh_check.h"
 
-#include <catch2/catch.hpp>
-
-namespace vdbpack::test {
 namespace {
-
-using Catch::Matchers::Contains;
 
 std::string written(const TemporaryFolder& folder, const std::string& name,
                     const std::string& text) {
@@ -22,7 +13,9 @@ std::string written(const TemporaryFolder& folder, const std::string& name,
     return folder.file(name);
 }
 
-TEST_CASE("a .vtp of polygons is a mesh in every encoding", "[mesh][vtk]") {
+}  // namespace
+
+TEST_CASE("a .vtp of polygons is a mesh in every encoding") {
     const TemporaryFolder folder;
     const Prism prism;
     const auto format = GENERATE(as<std::string>{}, "ascii", "binary", "raw");
@@ -32,7 +25,7 @@ TEST_CASE("a .vtp of polygons is a mesh in every encoding", "[mesh][vtk]") {
         readMesh(written(folder, "a.vtp", vtpText(prism.vertices, prism.faces, format, zlib))));
 }
 
-TEST_CASE("a legacy .vtk of polygons or of flat cells is a mesh in every encoding", "[mesh][vtk]") {
+TEST_CASE("a legacy .vtk of polygons or of flat cells is a mesh in every encoding") {
     const TemporaryFolder folder;
     const Prism prism;
     const bool binary = GENERATE(false, true);
@@ -43,7 +36,7 @@ TEST_CASE("a legacy .vtk of polygons or of flat cells is a mesh in every encodin
         written(folder, "a.vtk", vtkText(prism.vertices, prism.faces, binary, offsets, cells))));
 }
 
-TEST_CASE("strips of triangles face one way", "[mesh][vtk]") {
+TEST_CASE("strips of triangles face one way") {
     const TemporaryFolder folder;
     // A tetrahedron in one strip of six corners.
     const std::vector<Vec<3>> vertices{{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
@@ -59,8 +52,7 @@ TEST_CASE("strips of triangles face one way", "[mesh][vtk]") {
     }
 }
 
-TEST_CASE("VTK files without faces, or with cells that are no faces, are refused with a reason",
-          "[mesh][vtk]") {
+TEST_CASE("VTK files without faces, or with cells that are no faces, are refused with a reason") {
     const TemporaryFolder folder;
     const std::vector<Vec<3>> vertices{{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
     const auto messageFor = [&](const std::string& name, const std::string& text) {
@@ -83,6 +75,3 @@ TEST_CASE("VTK files without faces, or with cells that are no faces, are refused
                           "STRUCTURED_POINTS\n"),
                Contains("line 4") && Contains("structured_points"));
 }
-
-}  // namespace
-}  // namespace vdbpack::test

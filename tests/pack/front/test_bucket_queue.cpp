@@ -1,15 +1,9 @@
+#include "support/test.h"
+
 #include "vdbpack/core/rng.h"
 #include "vdbpack/pack/front/bucket_queue.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
-using namespace vdbpack;
-
-TEST_CASE("the bucket queue pops by rising bucket, first in first out", "[pack]") {
+TEST_CASE("the bucket queue pops by rising bucket, first in first out") {
     // Against a list that is searched: pushes, moves, removals and pops at random.
     constexpr float kLowest = -3, kWidth = 0.25f;
     BucketQueue queue;

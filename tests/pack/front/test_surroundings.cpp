@@ -1,14 +1,9 @@
+#include "support/test.h"
+
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/core/vec.h"
 #include "vdbpack/pack/front/surroundings.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-
-using namespace vdbpack;
 
 namespace {
 
@@ -163,8 +158,7 @@ std::vector<std::size_t> bodiesOf(const typename Surroundings<Dim>::Site& site) 
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("sites are the free positions that touch the pivot and the bodies", "[pack]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("sites are the free positions that touch the pivot and the bodies") {
     const auto seed = GENERATE(range(1u, 31u));
     CAPTURE(Dim, seed);
     RandomStream random(seed, Dim);
@@ -218,8 +212,7 @@ TEMPLATE_TEST_CASE_SIG("sites are the free positions that touch the pivot and th
     CHECK(next == some.size());
 }
 
-TEMPLATE_TEST_CASE_SIG("a site's limit is where a growing sphere meets a further body", "[pack]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a site's limit is where a growing sphere meets a further body") {
     const auto seed = GENERATE(range(1u, 31u));
     CAPTURE(Dim, seed);
     RandomStream random(seed, 10 + Dim);
@@ -240,8 +233,7 @@ TEMPLATE_TEST_CASE_SIG("a site's limit is where a growing sphere meets a further
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("a least radius leaves out only sites that cannot grow to it", "[pack]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a least radius leaves out only sites that cannot grow to it") {
     const auto seed = GENERATE(range(1u, 31u));
     CAPTURE(Dim, seed);
     RandomStream random(seed, 20 + Dim);
@@ -260,7 +252,7 @@ TEMPLATE_TEST_CASE_SIG("a least radius leaves out only sites that cannot grow to
     }
 }
 
-TEST_CASE("a body that covers a pivot leaves no site", "[pack]") {
+TEST_CASE("a body that covers a pivot leaves no site") {
     Surroundings<3> around;
     Scene<3> scene;
     scene.pivotRadius = 1;

@@ -1,14 +1,9 @@
+#include "support/test.h"
+
 #include "vdbpack/core/rng.h"
 #include "vdbpack/pack/front/touching.h"
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
-
-using namespace vdbpack;
-
-TEMPLATE_TEST_CASE_SIG("a center is moved to where it touches spheres and planes", "[pack]",
-                       ((int Dim), Dim), 2, 3) {
+DIM_TEST_CASE("a center is moved to where it touches spheres and planes") {
     RandomStream random(17, Dim);
     int flat = 0;
     for (int round = 0; round < 500; ++round) {

@@ -1,19 +1,9 @@
 // Whatever a pack holds passes through every command.
-#include "cli/recipes.h"
-#include "support/temporary_folder.h"
+#include "support/jobs.h"
+#include "support/test.h"
 
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cstdint>
-#include <map>
-#include <string>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -92,27 +82,22 @@ constexpr const char* kWithColumns[] = {".csv", ".vtp", ".pvtp", ".npz", ".vdb",
 
 }  // namespace
 
-TEST_CASE("labels and columns pass through convert", "[cli][columns]") {
+TEST_CASE("labels and columns pass through convert") {
     const Labelled given(GENERATE(from_range(std::begin(kWithColumns), std::end(kWithColumns))));
-    ConvertRecipe recipe;
-    recipe.pack = given.file;
-    recipe.outputs = {given.out};
+    auto recipe = onPack<ConvertRecipe>(given.file, {}, given.out);
     runConvert(recipe);
     REQUIRE(given.requireLabels() == given.labels.size());
 }
 
-TEST_CASE("existing spheres keep their labels and columns, with a shell and voids too",
-          "[cli][columns]") {
+TEST_CASE("existing spheres keep their labels and columns, with a shell and voids too") {
     const Labelled given(GENERATE(from_range(std::begin(kWithColumns), std::end(kWithColumns))));
     PackJob recipe = recipeFor("box:14,14,14", "uniform:0.5,1", given.out);
     recipe.existing = given.file;
     const bool cut = GENERATE(false, true);
     CAPTURE(given.file, cut);
     if (cut) {
+        setVoids(recipe.request, "boolean", "constant:1", 0.7);
         recipe.request.shell = 2;
-        recipe.request.method = "boolean";
-        recipe.request.radius = "constant:1";
-        recipe.request.targetBvtv = 0.7;
     }
     const auto run = runPack(recipe);
     REQUIRE(given.requireLabels() == given.labels.size());
@@ -131,17 +116,11 @@ TEST_CASE("existing spheres keep their labels and columns, with a shell and void
 }
 
 TEST_CASE(
-    "carved spheres keep their labels and columns; with a shell the regions are those of the run",
-    "[cli][columns]") {
+    "carved spheres keep their labels and columns; with a shell the regions are those of the run") {
     const Labelled given(GENERATE(from_range(std::begin(kWithColumns), std::end(kWithColumns))));
     CAPTURE(given.file);
-    CarveJob recipe;
-    recipe.pack = given.file;
-    recipe.domain.source = "ball:5";
-    recipe.outputs = {given.out};
-    recipe.request.method = "boolean";
-    recipe.request.radius = "constant:1";
-    recipe.request.targetBvtv = 0.6;
+    auto recipe = onPack<CarveJob>(given.file, "ball:5", given.out);
+    setVoids(recipe.request, "boolean", "constant:1", 0.6);
     const auto run = runCarve(recipe);
     REQUIRE(run.report.voids->culled > 5);
     REQUIRE(given.requireLabels() == given.labels.size() - run.report.voids->culled);
@@ -151,17 +130,11 @@ TEST_CASE(
     REQUIRE(*std::max_element(shelled.region.begin(), shelled.region.end()) == 1);
 }
 
-TEST_CASE("spheres without ids keep the names that their places gave them when others are carved",
-          "[cli][columns]") {
+TEST_CASE("spheres without ids keep the names that their places gave them when others are carved") {
     const TemporaryFolder folder;
     runPack(recipeFor("ball:5", "uniform:0.5,1", folder.file("in.csv")));
-    CarveJob recipe;
-    recipe.pack = folder.file("in.csv");
-    recipe.domain.source = "ball:5";
-    recipe.outputs = {folder.file("out.csv")};
-    recipe.request.method = "boolean";
-    recipe.request.radius = "constant:1";
-    recipe.request.targetBvtv = 0.6;
+    auto recipe = onPack<CarveJob>(folder.file("in.csv"), "ball:5", folder.file("out.csv"));
+    setVoids(recipe.request, "boolean", "constant:1", 0.6);
     runCarve(recipe);
     const auto before = readPack(folder.file("in.csv"));
     const auto after = readPack(folder.file("out.csv"));
@@ -171,13 +144,10 @@ TEST_CASE("spheres without ids keep the names that their places gave them when o
         REQUIRE(after.spheres[i] == before.spheres[static_cast<std::size_t>(after.id[i])]);
 }
 
-TEST_CASE("densified spheres keep their labels and columns", "[cli][columns]") {
+TEST_CASE("densified spheres keep their labels and columns") {
     const Labelled given(GENERATE(from_range(std::begin(kWithColumns), std::end(kWithColumns))));
     CAPTURE(given.file);
-    DensifyRecipe recipe;
-    recipe.pack = given.file;
-    recipe.domain.source = "ball:5";
-    recipe.outputs = {given.out};
+    auto recipe = onPack<DensifyRecipe>(given.file, "ball:5", given.out);
     recipe.densify.fraction = 0.01;  // overlaps alone
     runDensify(recipe);
     REQUIRE(given.requireLabels() == given.labels.size());

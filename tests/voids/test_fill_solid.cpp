@@ -1,36 +1,22 @@
 // Runs that fill what voids leave, and counts that include what voids remove.
-#include "cli/recipes.h"
 #include "support/generators.h"
+#include "support/jobs.h"
 #include "support/mesh_file.h"
-#include "support/message_of.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/cull.h"
-
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <iterator>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
 PackJob porousBall(const std::string& source) {
     PackJob recipe = recipeFor(source, "uniform:0.25,0.5");
-    recipe.request.method = "boolean";
-    recipe.request.radius = "constant:1.2";
+    setVoids(recipe.request, "boolean", "constant:1.2", 0.4);
     recipe.request.aspect = "constant:1.5";
-    recipe.request.targetBvtv = 0.4;
     recipe.request.shell = 1.5;
     return recipe;
 }
@@ -39,15 +25,9 @@ std::vector<std::string> warningsOf(const PackJob& recipe) {
     return runPack(recipe).report.warnings;
 }
 
-bool mentions(const std::vector<std::string>& warnings, const std::string& part) {
-    return std::any_of(warnings.begin(), warnings.end(),
-                       [&](const std::string& w) { return w.find(part) != std::string::npos; });
-}
-
 }  // namespace
 
-TEST_CASE("the solid beside voids is filled in one run, inside the bone and the written solid",
-          "[voids][cli]") {
+TEST_CASE("the solid beside voids is filled in one run, inside the bone and the written solid") {
     const TemporaryFolder folder;
     const std::string bone = folder.file("ball.obj");
     writeObj(ballMesh(8, 3), bone);
@@ -65,9 +45,8 @@ TEST_CASE("the solid beside voids is filled in one run, inside the bone and the 
     // Against both walls, by verify itself.
     for (const bool solid : {false, true}) {
         CAPTURE(solid);
-        VerifyRecipe verify;
-        verify.pack = recipe.outputs[0].text;
-        verify.domain.source = solid ? recipe.outputs[0].text : bone;
+        auto verify =
+            onPack<VerifyRecipe>(recipe.outputs[0].text, solid ? recipe.outputs[0].text : bone);
         if (solid) verify.domain.gridName = "solid";
         const RunResult check = runVerify(verify);
         CHECK(check.passed);
@@ -81,8 +60,7 @@ TEST_CASE("the solid beside voids is filled in one run, inside the bone and the 
     CHECK(std::count(pack.region.begin(), pack.region.end(), 1) > 100);
 }
 
-TEST_CASE("more of the solid is filled when it is filled than when it is cut from a pack",
-          "[voids][cli]") {
+TEST_CASE("more of the solid is filled when it is filled than when it is cut from a pack") {
     PackJob recipe = porousBall("ball:8");
     recipe.request.shell = 0;
     recipe.request.targetBvtv = 0.3;
@@ -98,7 +76,7 @@ TEST_CASE("more of the solid is filled when it is filled than when it is cut fro
     CHECK(solidVolume(runPack(recipe)) > 1.2 * cut);
 }
 
-TEST_CASE("spheres that fill little of a solid are warned of", "[voids][cli]") {
+TEST_CASE("spheres that fill little of a solid are warned of") {
     PackJob recipe = porousBall("ball:8");
     recipe.request.fill = Fill::solid;
     CHECK_FALSE(mentions(warningsOf(recipe), "between the voids"));
@@ -107,50 +85,32 @@ TEST_CASE("spheres that fill little of a solid are warned of", "[voids][cli]") {
     CHECK(mentions(warningsOf(recipe), "between the voids"));
 }
 
-TEST_CASE("a solid to fill needs voids that are made before the pack", "[voids][cli]") {
-    PackJob recipe = recipeFor("ball:8", "uniform:0.5,1");
-    recipe.request.fill = Fill::solid;
-    CHECK_THROWS_AS(runPack(recipe), ParameterError);
-    recipe.request.method = "mixed";
-    CHECK_THROWS_AS(runPack(recipe), ParameterError);
-    recipe.request.method = "boolean";
-    recipe.domain.source = "disc:8";
-    CHECK_THROWS_AS(runPack(recipe), ParameterError);
-}
-
-TEST_CASE("a target count is the number of spheres that are written", "[voids][cli]") {
+TEST_CASE("a target count is the number of spheres that are written") {
+    struct Case {
+        const char* what;
+        void (*change)(PackJob&);
+    };
+    const Case c = GENERATE(
+        Case{"spheres in voids do not count", [](PackJob&) {}},
+        Case{"nor those that are not connected",
+             [](PackJob& r) { r.request.keepConnected = true; }},
+        Case{"nor those that voids touch", [](PackJob& r) { r.request.cull = Cull::touch; }},
+        Case{"those that densifying adds do", [](PackJob& r) { r.densify.fraction = 0.62; }},
+        Case{"and those that nearly touch after it, which stay connected",
+             [](PackJob& r) { r.densify.fraction = 0.62, r.request.keepConnected = true; }},
+        Case{
+            "holes among the spheres do not",
+            [](PackJob& r) { r.request = {}, setVoids(r.request, "mixed", "constant:1.2", 0.75); }},
+        Case{"in the solid alone", [](PackJob& r) { r.request.fill = Fill::solid; }});
     PackJob recipe = porousBall("ball:8");
     recipe.radius = "uniform:1,2";
     recipe.targetCount = 3000;
-    SECTION("spheres in voids do not count") {}
-    SECTION("nor those that are not connected") {
-        recipe.request.keepConnected = true;
-    }
-    SECTION("nor those that voids touch") {
-        recipe.request.cull = Cull::touch;
-    }
-    SECTION("those that densifying adds do") {
-        recipe.densify.fraction = 0.62;
-    }
-    SECTION("and those that nearly touch after it, which stay connected") {
-        recipe.densify.fraction = 0.62;
-        recipe.request.keepConnected = true;
-    }
-    SECTION("holes among the spheres do not") {
-        recipe.request.method = "mixed";
-        recipe.request.aspect.clear();
-        recipe.request.shell = 0;
-        recipe.request.targetBvtv = 0.75;
-    }
-    SECTION("in the solid alone") {
-        recipe.request.fill = Fill::solid;
-    }
-    const RunResult run = runPack(recipe);
-    CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.02));
+    c.change(recipe);
+    CAPTURE(c.what);
+    CHECK(static_cast<double>(runPack(recipe).report.count) == Approx(3000).epsilon(0.02));
 }
 
-TEST_CASE("the voids around a solid have one size in all rounds of a target count",
-          "[.slow][voids][cli]") {
+TEST_CASE("the voids around a solid have one size in all rounds of a target count", "[.slow]") {
     PackJob recipe = porousBall("ball:10");
     recipe.radius = "uniform:1,2";
     recipe.targetCount = 1500;
@@ -162,15 +122,14 @@ TEST_CASE("the voids around a solid have one size in all rounds of a target coun
     CHECK(static_cast<double>(run.report.count) == Approx(1500).epsilon(0.02));
 }
 
-TEST_CASE("a dry run predicts the spheres that voids leave, and the time of the voids",
-          "[voids][cli]") {
+TEST_CASE("a dry run predicts the spheres that voids leave, and the time of the voids") {
     PackJob recipe = porousBall("ball:10");
     const DryRun expected = dryRunPack(settled(recipe));
     CHECK(expected.seconds.voids > 0);
     CHECK(expected.count == Approx(static_cast<double>(runPack(recipe).report.count)).epsilon(0.1));
 }
 
-TEST_CASE("a target count knows how thin the domain is", "[pack][cli]") {
+TEST_CASE("a target count knows how thin the domain is") {
     PackJob recipe = recipeFor("box:4,4,3000", "");
     recipe.targetCount = 1000;
     const RunResult run = runPack(recipe);
@@ -178,7 +137,7 @@ TEST_CASE("a target count knows how thin the domain is", "[pack][cli]") {
     CHECK(static_cast<double>(run.report.count) == Approx(1000).epsilon(0.05));
 }
 
-TEST_CASE("small target counts are met or warned of, and are whole numbers", "[pack][cli]") {
+TEST_CASE("small target counts are met or warned of, and are whole numbers") {
     const double target = GENERATE(1, 2, 3, 5, 12);
     CAPTURE(target);
     PackJob recipe = recipeFor("box:20,20,20", "");
@@ -190,23 +149,11 @@ TEST_CASE("small target counts are met or warned of, and are whole numbers", "[p
     CHECK_THROWS_AS(runPack(recipe), ParameterError);
 }
 
-TEST_CASE("voids that leave no sphere are refused", "[voids][cli]") {
-    PackJob recipe = recipeFor("ball:6", "uniform:0.5,1");
-    recipe.request.method = "boolean";
-    recipe.request.radius = "constant:2";
-    recipe.request.count = 3000;
-    const std::string message = messageOf<ParameterError>([&] { runPack(recipe); });
-    CHECK_THAT(message, Catch::Contains("boolean") && Catch::Contains("0.0000"));
-}
-
-TEST_CASE("extreme targets of BV/TV are met or warned of", "[voids][cli]") {
+TEST_CASE("extreme targets of BV/TV are met or warned of") {
     const double target = GENERATE(0.001, 0.999);
     CAPTURE(target);
-    VoidsJob recipe;
-    recipe.domain.source = "ball:6";
-    recipe.request.method = "boolean";
-    recipe.request.radius = "constant:1.5";
-    recipe.request.targetBvtv = target;
+    auto recipe = voidsIn("ball:6");
+    setVoids(recipe.request, "boolean", "constant:1.5", target);
     std::optional<RunResult> run;
     try {
         run = runVoids(recipe);
@@ -218,22 +165,18 @@ TEST_CASE("extreme targets of BV/TV are met or warned of", "[voids][cli]") {
         CHECK(mentions(run->report.warnings, "targetBvtv"));
 }
 
-TEST_CASE("voids smaller than the spheres are warned of, with both sizes", "[voids][cli]") {
+TEST_CASE("voids smaller than the spheres are warned of, with both sizes") {
     PackJob recipe = recipeFor("ball:8", "constant:1");
-    recipe.request.method = "boolean";
-    recipe.request.radius = "constant:0.5";
-    recipe.request.targetBvtv = 0.6;
+    setVoids(recipe.request, "boolean", "constant:0.5", 0.6);
     CHECK(mentions(warningsOf(recipe), "0.5"));
     recipe.radius = "constant:0.4";
     recipe.request.radius = "constant:1.5";
     CHECK_FALSE(mentions(warningsOf(recipe), "smaller than the spheres"));
 }
 
-TEST_CASE("a pack of which voids leave loose spheres is warned of", "[voids][cli]") {
+TEST_CASE("a pack of which voids leave loose spheres is warned of") {
     PackJob recipe = recipeFor("ball:8", "uniform:0.4,0.8");
-    recipe.request.method = "boolean";
-    recipe.request.radius = "constant:1.5";
-    recipe.request.targetBvtv = 0.15;
+    setVoids(recipe.request, "boolean", "constant:1.5", 0.15);
     const RunResult run = runPack(recipe);
     REQUIRE(run.report.voids->spheresAttached.value() < 0.9);
     CHECK(mentions(run.report.warnings, "keepConnected"));
@@ -243,8 +186,7 @@ TEST_CASE("a pack of which voids leave loose spheres is warned of", "[voids][cli
     CHECK(kept.report.contacts->components == 1);
 }
 
-TEST_CASE("existing spheres that reach into voids are kept where the solid is filled",
-          "[voids][cli]") {
+TEST_CASE("existing spheres that reach into voids are kept where the solid is filled") {
     const TemporaryFolder folder;
     PackJob first = recipeFor("ball:8", "constant:1", folder.file("first.csv"));
     first.packing.maxCount = 60;
@@ -257,12 +199,12 @@ TEST_CASE("existing spheres that reach into voids are kept where the solid is fi
     CHECK(run.passed);
 }
 
-TEST_CASE("a pack whose radii hardly fit is warned of", "[cli]") {
+TEST_CASE("a pack whose radii hardly fit is warned of") {
     CHECK(mentions(warningsOf(recipeFor("box:20,20,20", "uniform:1,20")), "hardly fit"));
     CHECK_FALSE(mentions(warningsOf(recipeFor("box:20,20,20", "uniform:1,2")), "hardly fit"));
 }
 
-TEST_CASE("the shell of a filled solid is that of the bone", "[voids][cli]") {
+TEST_CASE("the shell of a filled solid is that of the bone") {
     const TemporaryFolder folder;
     PackJob recipe = porousBall("ball:8");
     recipe.request.fill = Fill::solid;
@@ -272,8 +214,7 @@ TEST_CASE("the shell of a filled solid is that of the bone", "[voids][cli]") {
     const std::uint64_t cortical = run.report.voids->cortical;
     REQUIRE(cortical > 100);
     REQUIRE(run.report.count > cortical + 100);
-    std::ifstream in(recipe.reportFile);
-    const std::string page((std::istreambuf_iterator<char>(in)), {});
+    const std::string page = contentOf(recipe.reportFile);
     for (const std::uint64_t n : {cortical, run.report.count - cortical})
         CHECK(page.find("<td>" + grouped(n) + "</td>") != std::string::npos);
 }

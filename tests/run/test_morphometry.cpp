@@ -1,24 +1,12 @@
 // `measure` as a user calls it: the morphometry of solids and of spheres in a domain.
-#include "cli/recipes.h"
 #include "support/generators.h"
+#include "support/jobs.h"
 #include "support/mesh_file.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/core/sphere.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/run/run.h"
 
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-
-#include <cmath>
-#include <fstream>
-#include <sstream>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using test::recipeFor;
 
 namespace {
 
@@ -30,23 +18,17 @@ Callbacks hearing(std::string& warned) {
 
 /// The solid that a Boolean model of voids leaves of a domain, in a file.
 void writeSolid(const std::string& domain, const std::string& file) {
-    VoidsJob recipe;
-    recipe.domain.source = domain;
-    recipe.request.method = "boolean";
-    recipe.request.radius = "uniform:1.2,1.6";
-    recipe.request.targetBvtv = 0.3;
+    auto recipe = voidsIn(domain, file);
+    setVoids(recipe.request, "boolean", "uniform:1.2,1.6", 0.3);
     recipe.request.voxelSize = 0.5;
-    recipe.outputs = {file};
     recipe.threads = 2;
     runVoids(recipe);
 }
 
 Morphometry measured(const std::string& file, const std::string& domain, double shell,
                      std::string& warned) {
-    MeasureRecipe recipe;
-    recipe.pack = file;
+    auto recipe = onPack<MeasureRecipe>(file, domain);
     recipe.domain.gridName = "solid";
-    recipe.domain.source = domain;
     recipe.shell = shell;
     recipe.threads = 2;
     return runMeasure(recipe, hearing(warned)).morphometry.value();
@@ -54,9 +36,9 @@ Morphometry measured(const std::string& file, const std::string& domain, double 
 
 }  // namespace
 
-TEST_CASE("with the bone as domain, the air around it is no pore", "[run]") {
+TEST_CASE("with the bone as domain, the air around it is no pore") {
     const TemporaryFolder folder;
-    test::writeObj(test::ballMesh(14, 5), folder.file("bone.obj"));
+    writeObj(ballMesh(14, 5), folder.file("bone.obj"));
     writeSolid(folder.file("bone.obj"), folder.file("s.vdb"));
     std::string warned;
     const auto m = measured(folder.file("s.vdb"), folder.file("bone.obj"), 3, warned);
@@ -78,7 +60,7 @@ TEST_CASE("with the bone as domain, the air around it is no pore", "[run]") {
     CHECK(warned.empty());
 }
 
-TEST_CASE("parts of a sample have its connectivity density whatever their shape", "[run]") {
+TEST_CASE("parts of a sample have its connectivity density whatever their shape") {
     const TemporaryFolder folder;
     writeSolid("box:24,24,24", folder.file("s.vdb"));
     std::string warned;
@@ -96,22 +78,19 @@ TEST_CASE("parts of a sample have its connectivity density whatever their shape"
     const auto alone = measured(folder.file("s.vdb"), "", 0, warned);
     CHECK(alone.connectivityDensity < 0.95 * whole.connectivityDensity);
     CHECK(alone.deltaEuler == alone.eulerNumber);
-    CHECK_THAT(warned,
-               Catch::Contains("s.vdb") && Catch::Contains("`domain`") && Catch::Contains("box:"));
+    CHECK_THAT(warned, Contains("s.vdb") && Contains("`domain`") && Contains("box:"));
     // It has no spheres to join.
-    MeasureRecipe solid;
-    solid.pack = folder.file("s.vdb");
+    auto solid = onPack<MeasureRecipe>(folder.file("s.vdb"));
     solid.domain.gridName = "solid";
     solid.sphereMorphometry = true;
-    CHECK_THROWS_WITH(runMeasure(solid),
-                      Catch::Contains("s.vdb") && Catch::Contains("`sphereMorphometry`"));
+    CHECK_THROWS_WITH(runMeasure(solid), Contains("s.vdb") && Contains("`sphereMorphometry`"));
     // A domain that the solid does not fill is said, too.
     warned.clear();
     measured(folder.file("s.vdb"), "ball:30", 0, warned);
-    CHECK_THAT(warned, Catch::Contains("s.vdb") && Catch::Contains("`domain`"));
+    CHECK_THAT(warned, Contains("s.vdb") && Contains("`domain`"));
 }
 
-TEST_CASE("the spheres of a pack are measured as one solid", "[run]") {
+TEST_CASE("the spheres of a pack are measured as one solid") {
     const TemporaryFolder folder;
     // A simple cubic lattice of touching balls.
     Pack<3> pack;
@@ -119,17 +98,13 @@ TEST_CASE("the spheres of a pack are measured as one solid", "[run]") {
         pack.spheres.push_back(
             {{{2.0 * (i % 6) - 5, 2.0 * (i / 6 % 6) - 5, 2.0 * (i / 36) - 5}}, 1});
     writePack(pack, folder.file("p.csv"));
-    MeasureRecipe recipe;
-    recipe.pack = folder.file("p.csv");
-    recipe.domain.source = "box:12,12,12";
+    auto recipe = onPack<MeasureRecipe>(folder.file("p.csv"), "box:12,12,12");
     recipe.domain.voxelSize = 0.125;
     recipe.sphereMorphometry = true;
     recipe.reportFile = folder.file("r.html");
     const auto result = runMeasure(recipe);
     REQUIRE(result.spheres);
-    std::ostringstream page;
-    page << std::ifstream(folder.file("r.html")).rdbuf();
-    CHECK_THAT(page.str(), Catch::Contains("Morphometry") && Catch::Contains("Tb.Sp"));
+    CHECK_THAT(contentOf(folder.file("r.html")), Contains("Morphometry") && Contains("Tb.Sp"));
     recipe.reportFile.clear();
     CHECK(result.spheres->dilation == Approx(0.05));
     CHECK(result.spheres->dilationOfMeanRadius == Approx(0.05));
@@ -150,7 +125,7 @@ TEST_CASE("the spheres of a pack are measured as one solid", "[run]") {
     CHECK(json["morphometry"]["BV/TV"].get<double>() == Approx(m.solidFraction));
     // The figures of the pack stay beside them.
     CHECK(json["contacts"]["components"] == 1);
-    CHECK_THAT(summary(result), Catch::Contains("0.05 mm") && Catch::Contains("Tb.Sp"));
+    CHECK_THAT(summary(result), Contains("0.05 mm") && Contains("Tb.Sp"));
 
     // Half of the lattice: the necks across its faces are cut, half of each counts.
     recipe.domain.source = "box:8,8,8";
@@ -162,15 +137,13 @@ TEST_CASE("the spheres of a pack are measured as one solid", "[run]") {
     recipe.domain.source = "box:12,12,12";
     CHECK(runMeasure(recipe).spheres->morphometry.solidFraction == Approx(kPi / 6).epsilon(0.015));
     recipe.sphereMorphometry = false;
-    CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("`dilation`"));
+    CHECK_THROWS_WITH(runMeasure(recipe), Contains("`dilation`"));
 }
 
-TEST_CASE("dilation makes necks of the contacts of a pack", "[run]") {
+TEST_CASE("dilation makes necks of the contacts of a pack") {
     const TemporaryFolder folder;
     runPack(recipeFor("ball:9", "uniform:1,1.5", folder.file("p.csv")));
-    MeasureRecipe recipe;
-    recipe.pack = folder.file("p.csv");
-    recipe.domain.source = "ball:9";
+    auto recipe = onPack<MeasureRecipe>(folder.file("p.csv"), "ball:9");
     recipe.sphereMorphometry = true;
     recipe.shell = 3;
     const auto dilated = runMeasure(recipe);
@@ -187,29 +160,4 @@ TEST_CASE("dilation makes necks of the contacts of a pack", "[run]") {
     recipe.dilation = 0;
     CHECK(runMeasure(recipe).spheres->morphometry.solidFraction ==
           Approx(*dilated.run.report.solidFractionTotal).epsilon(0.02));
-}
-
-TEST_CASE("the text names the components that contacts connect", "[run]") {
-    const TemporaryFolder folder;
-    Pack<3> pack;
-    for (const double x : {0.0, 2.0, 4.0, 9.0, 11.0, 20.0})
-        pack.spheres.push_back({{{x, 0, 0}}, 1});
-    writePack(pack, folder.file("p.csv"));
-    MeasureRecipe recipe;
-    recipe.pack = folder.file("p.csv");
-    const auto result = runMeasure(recipe);
-    CHECK_THAT(summary(result), Catch::Contains("50 % of 3 components"));
-    CHECK(toJson(result)["contacts"]["components"] == 3);
-    CHECK(toJson(result)["contacts"]["largestComponent"] == 0.5);
-}
-
-TEST_CASE("circles have no morphometry of spheres", "[run]") {
-    const TemporaryFolder folder;
-    runPack(recipeFor("rect:40,40", "uniform:1,2", folder.file("p.csv")));
-    MeasureRecipe recipe;
-    recipe.pack = folder.file("p.csv");
-    recipe.domain.source = "rect:40,40";
-    recipe.sphereMorphometry = true;
-    CHECK_THROWS_WITH(runMeasure(recipe),
-                      Catch::Contains("p.csv") && Catch::Contains("`sphereMorphometry`"));
 }

@@ -1,22 +1,11 @@
 // What runs write: targets by prefix, and which of them a run refuses.
 #include "formats/lattice_pack.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/sphere_density.h"
 
-#include <catch2/catch.hpp>
-
-#include <string>
-#include <vector>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
-
-TEST_CASE("only the prefix of a format is cut from the name of a file", "[outputs]") {
+TEST_CASE("only the prefix of a format is cut from the name of a file") {
     REQUIRE(filePart("contacts:a.csv") == "a.csv");
     REQUIRE(filePart("list:b:c.csv") == "b:c.csv");
     REQUIRE(filePart("YADE:f.txt") == "f.txt");
@@ -24,7 +13,7 @@ TEST_CASE("only the prefix of a format is cut from the name of a file", "[output
     REQUIRE(filePart("box:1,2,3") == "box:1,2,3");
 }
 
-TEST_CASE("a pack written under a name with a colon stands in the file of that name", "[outputs]") {
+TEST_CASE("a pack written under a name with a colon stands in the file of that name") {
     const TemporaryFolder scratch;
     const auto pack = latticePack<3>(5, {{0, 0, 0}}, 3, 1);
     RunOutputs<3> have;
@@ -34,7 +23,7 @@ TEST_CASE("a pack written under a name with a colon stands in the file of that n
     REQUIRE(contentOf(file).rfind("id,x,y,z", 0) == 0);
 }
 
-TEST_CASE("outputs that a run has nothing for are refused with what it has", "[outputs]") {
+TEST_CASE("outputs that a run has nothing for are refused with what it has") {
     VoidRecipe none, voids, thinning;
     voids.method = BooleanVoids{};
     thinning.method = Thinning{Thinning::By::threshold, {}, {}};
@@ -55,7 +44,7 @@ TEST_CASE("outputs that a run has nothing for are refused with what it has", "[o
     REQUIRE_THROWS_AS(writeOutput("list:v.csv", nothing), ParameterError);
 }
 
-TEST_CASE("a bulk density is that of the spheres times their solid fraction", "[outputs]") {
+TEST_CASE("a bulk density is that of the spheres times their solid fraction") {
     REQUIRE(particleDensity("", std::nullopt).all == 0);
     REQUIRE(particleDensity("1900", std::nullopt).all == 1900);
     REQUIRE(particleDensity("bulk:1200", 0.6).all == 2000);

@@ -1,19 +1,11 @@
 // Packs far from the origin and in other units are as good as those about it.
-#include "cli/recipes.h"
 #include "support/generators.h"
+#include "support/jobs.h"
 #include "support/mesh_file.h"
 #include "support/paths.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 
 #include "vdbpack/mesh/formats/mesh_io.h"
-#include "vdbpack/run/run.h"
-
-#include <catch2/catch.hpp>
-
-#include <utility>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -36,8 +28,8 @@ void checkMoved(const TriangleMesh& mesh, const std::string& radius, double targ
         for (auto& v : there.vertices)
             for (double& c : v.c) c = (c + moved.far) * moved.scale;
         const std::string file = folder.file("m.obj");
-        test::writeObj(there, file);
-        PackRecipe recipe = test::recipeFor(file, radius);
+        writeObj(there, file);
+        PackRecipe recipe = recipeFor(file, radius);
         recipe.targetCount = target;
         recipe.domain.unit = moved.unit;
         for (const char* name :
@@ -51,8 +43,7 @@ void checkMoved(const TriangleMesh& mesh, const std::string& radius, double targ
         CHECK(total == Approx(first).margin(tolerance));
         for (const auto& output : recipe.outputs) {
             CAPTURE(output.text);
-            VerifyRecipe verify;
-            verify.pack = output.text;
+            auto verify = onPack<VerifyRecipe>(output.text);
             verify.domain = recipe.domain;
             const auto checked = runVerify(verify);
             CHECK(checked.passed);
@@ -65,12 +56,11 @@ void checkMoved(const TriangleMesh& mesh, const std::string& radius, double targ
 
 }  // namespace
 
-TEST_CASE("a ball packs as well far away and in meters or micrometers", "[run][precision]") {
-    checkMoved(test::ballMesh(10, 3), "uniform:0.8,1.6", 0, 0.015);
+TEST_CASE("a ball packs as well far away and in meters or micrometers") {
+    checkMoved(ballMesh(10, 3), "uniform:0.8,1.6", 0, 0.015);
 }
 
-TEST_CASE("a mandible packs as well far away and in meters or micrometers",
-          "[run][precision][.slow]") {
-    const auto mesh = readMesh(test::kMeshes + "/mandible.ply");
+TEST_CASE("a mandible packs as well far away and in meters or micrometers", "[.slow]") {
+    const auto mesh = readMesh(kMeshes + "/mandible.ply");
     checkMoved(mesh, "", 30000, 0.003);
 }

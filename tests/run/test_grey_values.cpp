@@ -1,29 +1,15 @@
 // Properties of spheres and voids from the grey values of images, and packs as label maps.
-#include "cli/recipes.h"
 #include "support/image_file.h"
-#include "support/message_of.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
+#include "support/jobs.h"
+#include "support/requests.h"
+#include "support/test.h"
 #include "support/tool.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/image/image_file.h"
-#include "vdbpack/run/run.h"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <map>
-#include <numeric>
-#include <sstream>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
-using Catch::Matchers::Contains;
 
 namespace {
 
@@ -54,20 +40,14 @@ std::map<std::int64_t, int> countsIn(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("grey values of an image become a column", "[cli][parts]") {
+TEST_CASE("grey values of an image become a column") {
     const TemporaryFolder folder;
     const std::string file = folder.file("halves.nrrd"), grey = folder.file("grey.nrrd");
     writeHalves(file);
-    writeNrrd(grey,
-              Voxels<float>::of(gridAround(20, {{1, 1, 1}}),
-                                [](const Vec<3>& p) { return 100 + 3 * p[0] - p[2]; }),
-              "float");
-    PackJob recipe;
-    recipe.domain.source = file;
+    writeSlope(grey);
+    PackJob recipe = recipeFor(file, "uniform:0.8,1.6", folder.file("p.csv"));
     recipe.domain.label = GENERATE("all", "5+9");
-    recipe.radius = "uniform:0.8,1.6";
     recipe.grey.samples = {"hu=" + grey};
-    recipe.outputs = {folder.file("p.csv")};
     runPack(recipe);
     const std::string again = folder.file("again.csv");
     REQUIRE(vdbPack("convert " + folder.file("p.csv") + " --sample mean=" + grey + " -o " + again)
@@ -83,27 +63,41 @@ TEST_CASE("grey values of an image become a column", "[cli][parts]") {
             }
         }
     CHECK(found == 2);
-    for (const std::string& bad :
-         std::vector<std::string>{"hu", "=" + grey, "radius=" + grey, "a=b.stl"}) {
-        recipe.grey.samples = {bad};
-        CHECK_THROWS_AS(runPack(recipe), ParameterError);
-    }
-    recipe.grey.samples = {"hu=" + folder.file("absent.nii")};
-    CHECK_THROWS_AS(runPack(recipe), IoError);
-    recipe.grey.samples = {"hu=" + grey};
-    recipe.outputs = {grey};
-    CHECK_THROWS_AS(runPack(recipe), ParameterError);
 }
 
-TEST_CASE("grey values become densities, moduli and classes of material", "[cli][grey]") {
+namespace {
+
+/// Checks the rows of a table of materials, one a class of density.
+/// @return  the spheres of all.
+std::size_t checkTable(const std::string& file, double least, double most) {
+    std::istringstream table(contentOf(file));
+    std::string line;
+    std::getline(table, line);
+    CHECK(line == "material,part,region,density_class,spheres,density_kg_m3,modulus_MPa");
+    std::size_t spheres = 0;
+    for (int row = 0; std::getline(table, line); ++row) {
+        int material = 0, part = 0, region = 0, densityClass = 0, count = 0;
+        double mean = 0;
+        REQUIRE(std::sscanf(line.c_str(), "%d,%d,%d,%d,%d,%lf", &material, &part, &region,
+                            &densityClass, &count, &mean) == 6);
+        CHECK(material == row);
+        CHECK(densityClass == row);
+        CHECK(mean >= least + row * (most - least) / 6 - 1e-6);
+        CHECK(mean <= least + (row + 1) * (most - least) / 6 + 1e-6);
+        spheres += static_cast<std::size_t>(count);
+    }
+    return spheres;
+}
+
+}  // namespace
+
+TEST_CASE("grey values become densities, moduli and classes of material") {
     const TemporaryFolder folder;
     const std::string file = folder.file("halves.nrrd"), grey = folder.file("grey.nrrd");
     writeHalves(file);
     writeSlope(grey);
-    PackJob recipe;
-    recipe.domain.source = file;
+    PackJob recipe = recipeFor(file, "uniform:0.8,1.6");
     recipe.domain.label = "5+9";
-    recipe.radius = "uniform:0.8,1.6";
     recipe.grey.samples = {"hu=" + grey};
     recipe.grey.calibration = "12,-150";
     recipe.grey.modulus = "6850,1.49";
@@ -134,24 +128,7 @@ TEST_CASE("grey values become densities, moduli and classes of material", "[cli]
         CHECK(types[i] == kind[i] + 1);
         CHECK(yade.region[i] == kind[i]);
     }
-    // The table lists what the numbers mean.
-    std::istringstream table(contentOf(folder.file("m.csv")));
-    std::string line;
-    std::getline(table, line);
-    CHECK(line == "material,part,region,density_class,spheres,density_kg_m3,modulus_MPa");
-    std::size_t spheres = 0;
-    for (int row = 0; std::getline(table, line); ++row) {
-        int material = 0, part = 0, region = 0, densityClass = 0, count = 0;
-        double mean = 0;
-        REQUIRE(std::sscanf(line.c_str(), "%d,%d,%d,%d,%d,%lf", &material, &part, &region,
-                            &densityClass, &count, &mean) == 6);
-        CHECK(material == row);
-        CHECK(densityClass == row);
-        CHECK(mean >= *least + row * (*most - *least) / 6 - 1e-6);
-        CHECK(mean <= *least + (row + 1) * (*most - *least) / 6 + 1e-6);
-        spheres += static_cast<std::size_t>(count);
-    }
-    CHECK(spheres == pack.spheres.size());
+    CHECK(checkTable(folder.file("m.csv"), *least, *most) == pack.spheres.size());
     // A column of a file does as well as a sample.
     const Output output = vdbPack("convert " + folder.file("p.csv") +
                                   " --calibrate hu=12,-150 -o " + folder.file("q.csv"));
@@ -160,7 +137,7 @@ TEST_CASE("grey values become densities, moduli and classes of material", "[cli]
     CHECK(numbersOf(readPack(folder.file("q.csv")), kDensityColumn) == density);
 }
 
-TEST_CASE("a part with a density of its own keeps it", "[cli][grey]") {
+TEST_CASE("a part with a density of its own keeps it") {
     const TemporaryFolder folder;
     const std::string file = folder.file("halves.nrrd"), grey = folder.file("grey.nrrd");
     writeHalves(file);
@@ -189,15 +166,12 @@ TEST_CASE("a part with a density of its own keeps it", "[cli][grey]") {
     }
 }
 
-TEST_CASE("an interrupt or a damaged image costs columns, not the pack", "[cli][grey]") {
+TEST_CASE("an interrupt or a damaged image costs columns, not the pack") {
     const TemporaryFolder folder;
     const std::string grey = folder.file("grey.nrrd");
     writeSlope(grey);
-    PackJob recipe;
-    recipe.domain.source = "box:60,60,60";
-    recipe.radius = "uniform:0.5,1";
+    PackJob recipe = recipeFor("box:60,60,60", "uniform:0.5,1", folder.file("p.csv"));
     recipe.grey.samples = {"hu=" + grey};
-    recipe.outputs = {folder.file("p.csv")};
     std::atomic<bool> stop{false};
     Callbacks callbacks;
     callbacks.progress = [&](const Progress& p) {
@@ -214,18 +188,14 @@ TEST_CASE("an interrupt or a damaged image costs columns, not the pack", "[cli][
     CHECK(readPack(folder.file("p.csv")).spheres.size() > 100);
 }
 
-TEST_CASE("densities of a pack end where others are requested or spheres are added",
-          "[cli][grey]") {
+TEST_CASE("densities of a pack end where others are requested or spheres are added") {
     const TemporaryFolder folder;
     const std::string grey = folder.file("grey.nrrd"), file = folder.file("p.csv");
     writeSlope(grey);
-    PackJob recipe;
-    recipe.domain.source = "ball:8";
-    recipe.radius = "uniform:0.8,1.6";
+    PackJob recipe = recipeFor("ball:8", "uniform:0.8,1.6", file);
     recipe.request.shell = 3;
     recipe.grey.samples = {"hu=" + grey};
     recipe.grey.calibration = "12,-150";
-    recipe.outputs = {file};
     const RunResult run = runPack(recipe);
     const auto& pack = std::get<Pack<3>>(run.pack);
     REQUIRE(
@@ -235,9 +205,7 @@ TEST_CASE("densities of a pack end where others are requested or spheres are add
     for (std::size_t i = 0; i < pack.spheres.size(); ++i)
         CHECK(numbersOf(atoms, "density")[i] == Approx(pack.region[i] == 0 ? 1.9e-9 : 1.1e-9));
 
-    DensifyRecipe densify;
-    densify.pack = file;
-    densify.domain.source = "ball:8";
+    auto densify = onPack<DensifyRecipe>(file, "ball:8");
     densify.densify.fraction = 0.6;
     const RunResult dense = runDensify(densify);
     const auto& more = std::get<Pack<3>>(dense.pack);
@@ -247,52 +215,58 @@ TEST_CASE("densities of a pack end where others are requested or spheres are add
         CHECK_FALSE(columnOfNumbers(more, name));
 }
 
-TEST_CASE("calibrations that say too little or too much are refused", "[cli][grey]") {
+TEST_CASE("samples and calibrations that say too little or too much are refused") {
     const TemporaryFolder folder;
-    const std::string grey = folder.file("grey.nrrd");
-    writeSlope(grey);
-    PackJob recipe;
-    recipe.domain.source = "ball:5";
-    recipe.radius = "uniform:0.8,1.6";
-    const auto refused = [&](const char* word) {
-        CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains(word));
-    };
-    recipe.grey.calibration = "1,0";
-    refused("samples");
-    recipe.grey.samples = {"a=" + grey, "b=" + grey};
-    refused("several");
-    recipe.grey.calibration = "c=1,0";
-    refused("'c'");
-    recipe.preview.file = folder.file("p.png");
-    recipe.preview.color = PreviewColor::column;
-    recipe.preview.column = "raduis";
-    recipe.grey.calibration.clear();
-    refused("raduis");
-    recipe.preview = {};
-    for (const char* bad : {"1", "a=", "=1,2", "a=0,3", "x,y"}) {
-        recipe.grey.calibration = bad;
-        refused("SLOPE,INTERCEPT");
-    }
-    recipe.grey.calibration = "a=1,0";
-    recipe.density = "1200";
-    refused("one density");
-    recipe.density.clear();
-    recipe.grey.modulus = "-1,2";
-    refused("A,B");
-    recipe.grey.modulus = "1,2";
-    recipe.grey.calibration.clear();
-    refused("calibration");
-    // A density below that of air is raised, with a warning.
-    recipe.grey.modulus.clear();
+    writeSlope(folder.file("g.nrrd"));
+    const std::string pack = "pack ball:5 --radius uniform:0.8,1.6 -o @p.csv ",
+                      sampled = pack + "--sample a=@g.nrrd ";
+    std::vector<Request> requests{
+        {pack + "--sample hu", 2, "'hu'"},
+        {pack + "--sample =@g.nrrd", 2, "--sample"},
+        {pack + "--sample radius=@g.nrrd", 2, "radius"},
+        {pack + "--sample a=b.stl", 2, "b.stl"},
+        {pack + "--sample a=@absent.nii", 4, "@absent.nii"},
+        {pack + "--sample a=@g.nrrd -o labels:@g.nrrd", 2, "@g.nrrd"},
+        {pack + "--calibrate 1,0", 2, "--sample"},
+        {sampled + "--sample b=@g.nrrd --calibrate 1,0", 2, "several"},
+        {sampled + "--calibrate c=1,0", 2, "'c'"},
+        {sampled + "--preview @p.png --preview-color column:raduis", 2, "raduis"},
+        {sampled + "--calibrate a=1,0 --density 1200", 2, "density"},
+        {sampled + "--calibrate a=1,0 --modulus -1,2", 2, "A,B"},
+        {sampled + "--modulus 1,2", 2, "--calibrate"},
+        {"pack ball:6 --radius uniform:1,2 -o labels-regions:@r.nii.gz", 2, "--voxel-spacing"}};
+    for (const std::string bad : {"1", "a=", "=1,2", "a=0,3", "x,y"})
+        requests.push_back({sampled + "--calibrate " + bad, 2, "SLOPE,INTERCEPT"});
+    const std::string voids =
+        "voids box:20,20,20 --voids boolean --void-radius uniform:0.5,0.8 -o @v.vdb "
+        "--bvtv-field @g.nrrd ";
+    for (const Request& request : std::vector<Request>{{"", 2, "--bvtv-range"},
+                                                       {"--bvtv-range 5,5", 2, "--bvtv-range"},
+                                                       {"--bvtv-range 3000,5000", 3, "@g.nrrd"}})
+        requests.push_back({voids + request.words, request.code, request.names});
+    requests.push_back(
+        {"voids box:500,0,0,520,20,20 --voids boolean --void-radius constant:1 "
+         "-o @v.vdb --bvtv-field @g.nrrd --bvtv-range 0,2000",
+         3, "elsewhere"});
+    requests.push_back(
+        {"voids box:20,20,20 --voids overlay -o @v.vdb --bvtv-field @g.nrrd "
+         "--bvtv-range 0,2000",
+         2, "boolean"});
+    check(requests, folder.path());
+}
+
+TEST_CASE("a density below that of air is raised, with a warning") {
+    const TemporaryFolder folder;
+    writeSlope(folder.file("g.nrrd"));
+    PackJob recipe = recipeFor("ball:5", "uniform:0.8,1.6");
+    recipe.grey.samples = {"a=" + folder.file("g.nrrd")};
     recipe.grey.calibration = "a=1,-100";
     const RunResult run = runPack(recipe);
-    CHECK(std::any_of(run.report.warnings.begin(), run.report.warnings.end(), [](const auto& w) {
-        return w.find("less than 1 kg/m³") != std::string::npos;
-    }));
+    CHECK(mentions(run.report.warnings, "less than 1 kg/m³"));
     for (const double d : numbersOf(std::get<Pack<3>>(run.pack), kDensityColumn)) CHECK(d >= 1);
 }
 
-TEST_CASE("voids follow the BV/TV that grey values say", "[cli][grey]") {
+TEST_CASE("voids follow the BV/TV that grey values say") {
     const TemporaryFolder folder;
     const std::string grey = folder.file("grey.nrrd");
     // BV/TV 0.1 at one end, 0.7 at the other.
@@ -300,14 +274,11 @@ TEST_CASE("voids follow the BV/TV that grey values say", "[cli][grey]") {
               Voxels<float>::of(gridAround(20, {{1, 1, 1}}),
                                 [](const Vec<3>& p) { return 800 + 60 * p[0]; }),
               "float");
-    VoidsJob recipe;
-    recipe.domain.source = "box:20,20,20";
-    recipe.request.method = "boolean";
-    recipe.request.radius = "uniform:0.5,0.8";
+    auto recipe = voidsIn("box:20,20,20", "labels-solid:" + folder.file("s.nrrd"));
+    setVoids(recipe.request, "boolean", "uniform:0.5,0.8");
     recipe.request.bvtvField = grey;
     recipe.request.bvtvRange = "0,2000";
     recipe.domain.voxelSpacing = "0.25";
-    recipe.outputs = {"labels-solid:" + folder.file("s.nrrd")};
     const RunResult run = runVoids(recipe);
     CHECK(*run.report.voids->bvtv == Approx(0.4).margin(0.005));
     const Image image = readImage(folder.file("s.nrrd"));
@@ -329,30 +300,16 @@ TEST_CASE("voids follow the BV/TV that grey values say", "[cli][grey]") {
     for (int slab = 0; slab < 4; ++slab)
         CHECK(solid[slab] / all[slab] ==
               Approx((800 + 60 * (-7.5 + 5 * slab)) / 2000).margin(0.04));
-
-    recipe.request.bvtvRange.clear();
-    CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("bvtvRange"));
-    recipe.request.bvtvRange = "5,5";
-    CHECK_THROWS_AS(runVoids(recipe), ParameterError);
-    recipe.request.bvtvRange = "3000,5000";
-    CHECK_THROWS_AS(runVoids(recipe), InputError);
-    recipe.request.bvtvRange = "0,2000";
-    recipe.domain.source = "box:500,0,0,520,20,20";
-    CHECK_THAT(messageOf<InputError>([&] { runVoids(recipe); }), Contains("elsewhere"));
-    recipe.request.method = "overlay";
-    CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("boolean"));
 }
 
-TEST_CASE("a pack is written as label maps on the grid of its image", "[cli][grey]") {
+TEST_CASE("a pack is written as label maps on the grid of its image") {
     const TemporaryFolder folder;
     const std::string file = folder.file("halves.nrrd");
     writeHalves(file);
     const ImageSpace space = GENERATE(ImageSpace::lps, ImageSpace::ras);
-    PackJob recipe;
-    recipe.domain.source = file;
+    PackJob recipe = recipeFor(file, "uniform:2,3");
     recipe.domain.label = "all";
     recipe.domain.space = space;
-    recipe.radius = "uniform:2,3";
     recipe.outputs = {"labels:" + folder.file("ids.nii.gz"),
                       "labels-parts:" + folder.file("parts.mha"),
                       "labels-solid:" + folder.file("solid.nrrd")};
@@ -384,15 +341,12 @@ TEST_CASE("a pack is written as label maps on the grid of its image", "[cli][gre
     CHECK_THROWS_AS(OutputTarget("labels:" + folder.file("r.vdb")), ParameterError);
 }
 
-TEST_CASE("label maps of a mesh or shape need a size of voxels", "[cli][grey]") {
+TEST_CASE("label maps of a shape have the volumes of its regions") {
     const TemporaryFolder folder;
-    PackJob recipe;
-    recipe.domain.source = "ball:6";
-    recipe.radius = "uniform:1,2";
+    PackJob recipe = recipeFor("ball:6", "uniform:1,2");
     recipe.request.shell = 2;
     recipe.outputs = {"labels-regions:" + folder.file("r.nii.gz"),
                       "labels-solid:" + folder.file("s.nii.gz")};
-    CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("voxelSpacing"));
     recipe.domain.voxelSpacing = "0.2";
     const RunResult run = runPack(recipe);
     const auto& pack = std::get<Pack<3>>(run.pack);

@@ -1,22 +1,12 @@
 // Shells measured from the outer surface alone.
-#include "cli/recipes.h"
 #include "support/generators.h"
+#include "support/jobs.h"
 #include "support/mesh_file.h"
-#include "support/temporary_folder.h"
+#include "support/test.h"
 
-#include "vdbpack/core/error.h"
-#include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/core_volume.h"
 #include "vdbpack/domain/domain_source.h"
 #include "vdbpack/run/run.h"
-
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <fstream>
-
-using namespace vdbpack;
-using namespace vdbpack::test;
 
 namespace {
 
@@ -43,9 +33,7 @@ DomainRecipe fromOuter(const std::string& file) {
 PackJob porous(const std::string& file) {
     PackJob recipe = recipeFor(file, "uniform:0.3,0.6");
     recipe.domain = fromOuter(file);
-    recipe.request.method = "boolean";
-    recipe.request.radius = "constant:0.9";
-    recipe.request.targetBvtv = 0.5;
+    setVoids(recipe.request, "boolean", "constant:0.9", 0.5);
     recipe.request.shell = kShell;
     return recipe;
 }
@@ -64,8 +52,7 @@ std::size_t wronglyLabelled(const RunResult& run, double below) {
 
 }  // namespace
 
-TEST_CASE("a shell measured from the outer surface encloses a core that ends at the cavity",
-          "[domain]") {
+TEST_CASE("a shell measured from the outer surface encloses a core that ends at the cavity") {
     const TemporaryFolder folder;
     // The cavity lies in the core; it reaches into the shell.
     for (const double cavity : {kInner, 9.0}) {
@@ -79,8 +66,7 @@ TEST_CASE("a shell measured from the outer surface encloses a core that ends at 
     }
 }
 
-TEST_CASE("clips do not count as surface where a shell is measured from the outer surface",
-          "[domain]") {
+TEST_CASE("clips do not count as surface where a shell is measured from the outer surface") {
     const TemporaryFolder folder;
     DomainRecipe recipe = fromOuter(hollowBall(folder));
     recipe.clips = {"plane:0,0,1,0"};
@@ -102,8 +88,7 @@ TEST_CASE("clips do not count as surface where a shell is measured from the oute
           Approx(kPi * (std::pow(kOuter - kShell, 2) - kInner * kInner)).epsilon(0.015));
 }
 
-TEST_CASE("voids reach the walls of cavities where the shell is measured from the outer surface",
-          "[voids][cli]") {
+TEST_CASE("voids reach the walls of cavities where the shell is measured from the outer surface") {
     const TemporaryFolder folder;
     const PackJob recipe = porous(hollowBall(folder));
     for (const Fill fill : {Fill::domain, Fill::solid}) {
@@ -119,8 +104,7 @@ TEST_CASE("voids reach the walls of cavities where the shell is measured from th
     }
 }
 
-TEST_CASE("a solid is attached where it reaches the outer shell, not the wall of a cavity",
-          "[voids]") {
+TEST_CASE("a solid is attached where it reaches the outer shell, not the wall of a cavity") {
     const TemporaryFolder folder;
     // Balls side by side on a sphere part the solid around the cavity from the rest.
     const std::string list = folder.file("voids.csv");
@@ -145,14 +129,12 @@ TEST_CASE("a solid is attached where it reaches the outer shell, not the wall of
     CHECK(runVoids(recipe).report.voids->solidAttached.value() == Approx(1).margin(0.005));
 }
 
-TEST_CASE("measures by region take the shell from the outer surface", "[measure][cli]") {
+TEST_CASE("measures by region take the shell from the outer surface") {
     const TemporaryFolder folder;
     const std::string bone = hollowBall(folder);
-    PackJob recipe = recipeFor(bone, "uniform:0.3,0.6");
-    recipe.outputs = {folder.file("pack.csv")};
+    PackJob recipe = recipeFor(bone, "uniform:0.3,0.6", folder.file("pack.csv"));
     runPack(recipe);
-    MeasureRecipe measure;
-    measure.pack = recipe.outputs.front().text;
+    auto measure = onPack<MeasureRecipe>(recipe.outputs.front().text);
     measure.domain = fromOuter(bone);
     measure.shell = kShell;
     const auto structure = runMeasure(measure).structure;
@@ -164,13 +146,8 @@ TEST_CASE("measures by region take the shell from the outer surface", "[measure]
     CHECK(structure.regions[1].solidFraction < 0.66);
 }
 
-TEST_CASE("a shell from the outer surface is refused or warned of where it means nothing",
-          "[cli]") {
+TEST_CASE("a shell from the outer surface is warned of where it means nothing") {
     const TemporaryFolder folder;
-    PackJob recipe = porous(hollowBall(folder));
-    recipe.request.targetBvtv.reset();
-    recipe.request.method = "mixed";
-    CHECK_THROWS_AS(runPack(recipe), ParameterError);
 
     PackJob plain = recipeFor("box:10,10,10", "uniform:0.5,1");
     plain.domain.shellFrom = ShellFrom::outer;
