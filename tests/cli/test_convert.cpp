@@ -162,7 +162,7 @@ TEST_CASE("spheres do not replace the level sets of a .vdb", "[convert]") {
     const TemporaryFolder scratch;
     PackJob recipe;
     recipe.domain.source = "ball:5";
-    recipe.radius = "uniform:0.5,1";
+    recipe.radius = SizeRequest::parse("uniform:0.5,1");
     recipe.outputs = {scratch.file("whole.vdb"), scratch.file("points.csv")};
     recipe.request.method = "boolean";
     recipe.request.radius = "constant:1.5";

@@ -102,7 +102,7 @@ TEST_CASE("spheres that fill little of a solid are warned of", "[voids][cli]") {
     PackJob recipe = porousBall("ball:8");
     recipe.request.fill = Fill::solid;
     CHECK_FALSE(mentions(warningsOf(recipe), "between the voids"));
-    recipe.radius = "uniform:0.4,0.8";
+    recipe.radius = SizeRequest::parse("uniform:0.4,0.8");
     recipe.request.targetBvtv = 0.2;
     CHECK(mentions(warningsOf(recipe), "between the voids"));
 }
@@ -120,7 +120,7 @@ TEST_CASE("a solid to fill needs voids that are made before the pack", "[voids][
 
 TEST_CASE("a target count is the number of spheres that are written", "[voids][cli]") {
     PackJob recipe = porousBall("ball:8");
-    recipe.radius = "uniform:1,2";
+    recipe.radius = SizeRequest::parse("uniform:1,2");
     recipe.targetCount = 3000;
     SECTION("spheres in voids do not count") {}
     SECTION("nor those that are not connected") {
@@ -152,7 +152,7 @@ TEST_CASE("a target count is the number of spheres that are written", "[voids][c
 TEST_CASE("the voids around a solid have one size in all rounds of a target count",
           "[.slow][voids][cli]") {
     PackJob recipe = porousBall("ball:10");
-    recipe.radius = "uniform:1,2";
+    recipe.radius = SizeRequest::parse("uniform:1,2");
     recipe.targetCount = 1500;
     recipe.request.fill = Fill::solid;
     recipe.request.radius.clear();  // from the radii of the spheres
@@ -224,7 +224,7 @@ TEST_CASE("voids smaller than the spheres are warned of, with both sizes", "[voi
     recipe.request.radius = "constant:0.5";
     recipe.request.targetBvtv = 0.6;
     CHECK(mentions(warningsOf(recipe), "0.5"));
-    recipe.radius = "constant:0.4";
+    recipe.radius = SizeRequest::parse("constant:0.4");
     recipe.request.radius = "constant:1.5";
     CHECK_FALSE(mentions(warningsOf(recipe), "smaller than the spheres"));
 }

@@ -7,6 +7,7 @@
 #include "support/tool.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/image/image_file.h"
@@ -65,7 +66,7 @@ TEST_CASE("grey values of an image become a column", "[cli][parts]") {
     PackJob recipe;
     recipe.domain.source = file;
     recipe.domain.label = GENERATE("all", "5+9");
-    recipe.radius = "uniform:0.8,1.6";
+    recipe.radius = SizeRequest::parse("uniform:0.8,1.6");
     recipe.grey.samples = {"hu=" + grey};
     recipe.outputs = {folder.file("p.csv")};
     runPack(recipe);
@@ -103,7 +104,7 @@ TEST_CASE("grey values become densities, moduli and classes of material", "[cli]
     PackJob recipe;
     recipe.domain.source = file;
     recipe.domain.label = "5+9";
-    recipe.radius = "uniform:0.8,1.6";
+    recipe.radius = SizeRequest::parse("uniform:0.8,1.6");
     recipe.grey.samples = {"hu=" + grey};
     recipe.grey.calibration = "12,-150";
     recipe.grey.modulus = "6850,1.49";
@@ -168,7 +169,7 @@ TEST_CASE("a part with a density of its own keeps it", "[cli][grey]") {
     PackJob recipe;
     recipe.grey.samples = {"hu=" + grey};
     recipe.grey.calibration = "12,-150";
-    recipe.radius = "uniform:0.8,1.6";
+    recipe.radius = SizeRequest::parse("uniform:0.8,1.6");
     PackJob part = recipe;
     part.domain.source = file;
     part.domain.label = "5";
@@ -195,7 +196,7 @@ TEST_CASE("an interrupt or a damaged image costs columns, not the pack", "[cli][
     writeSlope(grey);
     PackJob recipe;
     recipe.domain.source = "box:60,60,60";
-    recipe.radius = "uniform:0.5,1";
+    recipe.radius = SizeRequest::parse("uniform:0.5,1");
     recipe.grey.samples = {"hu=" + grey};
     recipe.outputs = {folder.file("p.csv")};
     std::atomic<bool> stop{false};
@@ -221,7 +222,7 @@ TEST_CASE("densities of a pack end where others are requested or spheres are add
     writeSlope(grey);
     PackJob recipe;
     recipe.domain.source = "ball:8";
-    recipe.radius = "uniform:0.8,1.6";
+    recipe.radius = SizeRequest::parse("uniform:0.8,1.6");
     recipe.request.shell = 3;
     recipe.grey.samples = {"hu=" + grey};
     recipe.grey.calibration = "12,-150";
@@ -253,7 +254,7 @@ TEST_CASE("calibrations that say too little or too much are refused", "[cli][gre
     writeSlope(grey);
     PackJob recipe;
     recipe.domain.source = "ball:5";
-    recipe.radius = "uniform:0.8,1.6";
+    recipe.radius = SizeRequest::parse("uniform:0.8,1.6");
     const auto refused = [&](const char* word) {
         CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains(word));
     };
@@ -306,7 +307,7 @@ TEST_CASE("voids follow the BV/TV that grey values say", "[cli][grey]") {
     recipe.request.radius = "uniform:0.5,0.8";
     recipe.request.bvtvField = grey;
     recipe.request.bvtvRange = "0,2000";
-    recipe.domain.voxelSpacing = "0.25";
+    recipe.domain.voxelSpacing = parseVoxelSpacing("0.25");
     recipe.outputs = {"labels-solid:" + folder.file("s.nrrd")};
     const RunResult run = runVoids(recipe);
     CHECK(*run.report.voids->bvtv == Approx(0.4).margin(0.005));
@@ -352,7 +353,7 @@ TEST_CASE("a pack is written as label maps on the grid of its image", "[cli][gre
     recipe.domain.source = file;
     recipe.domain.label = "all";
     recipe.domain.space = space;
-    recipe.radius = "uniform:2,3";
+    recipe.radius = SizeRequest::parse("uniform:2,3");
     recipe.outputs = {"labels:" + folder.file("ids.nii.gz"),
                       "labels-parts:" + folder.file("parts.mha"),
                       "labels-solid:" + folder.file("solid.nrrd")};
@@ -388,12 +389,12 @@ TEST_CASE("label maps of a mesh or shape need a size of voxels", "[cli][grey]") 
     const TemporaryFolder folder;
     PackJob recipe;
     recipe.domain.source = "ball:6";
-    recipe.radius = "uniform:1,2";
+    recipe.radius = SizeRequest::parse("uniform:1,2");
     recipe.request.shell = 2;
     recipe.outputs = {"labels-regions:" + folder.file("r.nii.gz"),
                       "labels-solid:" + folder.file("s.nii.gz")};
     CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("voxelSpacing"));
-    recipe.domain.voxelSpacing = "0.2";
+    recipe.domain.voxelSpacing = parseVoxelSpacing("0.2");
     const RunResult run = runPack(recipe);
     const auto& pack = std::get<Pack<3>>(run.pack);
     double volume[2] = {};

@@ -48,7 +48,7 @@ TEST_CASE("measure tells of a file what the packer told of the pack", "[run]") {
         MeasureRecipe recipe;
         recipe.pack = folder.file("p.csv");
         recipe.domain.source = domain;
-        recipe.radius = radius;
+        recipe.radius = SizeRequest::parse(radius);
         recipe.shell = 2;
         recipe.outputs = {"contacts:" + folder.file("c.csv")};
         recipe.reportFile = folder.file("r.json");

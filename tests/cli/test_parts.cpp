@@ -48,7 +48,7 @@ PackRecipe meshPart(const std::string& file, const Box<3>& box, const char* name
     PackRecipe part;
     part.domain.source = file;
     part.name = name;
-    part.radius = "uniform:0.5,1";
+    part.radius = SizeRequest::parse("uniform:0.5,1");
     return part;
 }
 
@@ -130,7 +130,7 @@ TEST_CASE("a segment of another layer has the space of those below it", "[cli][p
     PackRecipe recipe;
     recipe.domain.source = file;
     recipe.domain.label = "all";
-    recipe.radius = "uniform:0.4,0.8";
+    recipe.radius = SizeRequest::parse("uniform:0.4,0.8");
     const RunResult run = runPack(recipe);
     const auto& pack = std::get<Pack<3>>(run.pack);
     CHECK(run.passed);
@@ -148,7 +148,7 @@ TEST_CASE("labels joined by + are one domain", "[cli][parts]") {
     PackRecipe recipe;
     recipe.domain.source = file;
     recipe.domain.label = "9+5";
-    recipe.radius = "uniform:0.6,1.2";
+    recipe.radius = SizeRequest::parse("uniform:0.6,1.2");
     const RunResult run = runPack(recipe);
     CHECK(run.report.parts.empty());
     CHECK(run.report.volume == Approx(4.0 / 3 * std::acos(-1.0) * 1728).epsilon(0.01));

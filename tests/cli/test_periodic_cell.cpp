@@ -4,6 +4,7 @@
 #include "support/tool.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
 
@@ -60,14 +61,14 @@ TEST_CASE("a periodic cell is packed, densified, measured and verified", "[cli][
 
 TEST_CASE("boxes repeat along the axes that are named", "[cli][periodic]") {
     auto recipe = recipeFor("box:24,22,26", "uniform:1,2");
-    recipe.domain.periodic = "xz";
+    recipe.domain.periodic = parseAxes("xz");
     const auto run = runPack(recipe);
     CHECK(run.passed);
     CHECK(run.report.area == Approx(2 * 24 * 26));
     CHECK(std::get<Pack<3>>(run.pack).depth.size() == run.report.count);
-    recipe.domain.periodic = "xx";
+    recipe.domain.periodic = parseAxes("xx");
     CHECK_THROWS_AS(runPack(recipe), ParameterError);
-    recipe.domain.periodic = "x";
+    recipe.domain.periodic = parseAxes("x");
     recipe.domain.source = "ball:20";
     CHECK_THROWS_AS(runPack(recipe), ParameterError);
     recipe.domain.source = "periodic:20,20,20";
@@ -95,17 +96,17 @@ TEST_CASE("what is not done in a periodic cell is refused", "[cli][periodic]") {
     other.request.shell = 2;
     refused(other);
     other = recipe;
-    other.domain.clips = {"plane:0,0,1,3"};
+    other.domain.clips = {parseClip("plane:0,0,1,3")};
     refused(other);
     other = recipe;
-    other.domain.slice = "z=0";
+    other.domain.slice = 0;
     refused(other);
     other = recipe;
     other.packing.order = Order::center;
     refused(other);
     other = recipe;
     other.outputs = {"labels:" + folder.file("l.nrrd")};
-    other.domain.voxelSpacing = "1";
+    other.domain.voxelSpacing = parseVoxelSpacing("1");
     refused(other);
 }
 

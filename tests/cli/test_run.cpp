@@ -5,6 +5,7 @@
 #include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
 
@@ -69,7 +70,7 @@ TEST_CASE("depth is the distance to the wall, however deep", "[run]") {
             deepest = std::max(deepest, pack.depth[i]);
         }
         CHECK(deepest > 15);
-        recipe.domain.clips = {"plane:0,0,2,4"};  // z <= 2
+        recipe.domain.clips = {parseClip("plane:0,0,2,4")};  // z <= 2
         const auto cut = runPack(recipe);
         const auto& half = std::get<Pack<3>>(cut.pack);
         for (std::size_t i = 0; i < half.spheres.size(); ++i) {
@@ -108,7 +109,7 @@ TEST_CASE("verify passes what pack wrote, in every format, with the same hash", 
         VerifyRecipe verify;
         verify.pack = file.text;
         verify.domain.source = folder.file("b.obj");
-        verify.radius = "uniform:1,2";
+        verify.radius = SizeRequest::parse("uniform:1,2");
         const auto run = runVerify(verify);
         CHECK(run.passed);
         CHECK(run.report.hash == packed.report.hash);
@@ -212,7 +213,7 @@ TEST_CASE("a slice is packed with circles and verified as circles", "[run]") {
     for (const std::string& source : {folder.file("b.obj"), std::string("ball:30")}) {
         CAPTURE(source);
         PackRecipe recipe = recipeFor(source, "uniform:0.5,1");
-        recipe.domain.slice = "z=10";
+        recipe.domain.slice = 10;
         recipe.outputs = {folder.file("c.csv")};
         const auto run = runPack(recipe);
         CHECK(run.passed);
@@ -227,7 +228,7 @@ TEST_CASE("a slice is packed with circles and verified as circles", "[run]") {
 
 TEST_CASE("a clip cuts the domain and the pack", "[run]") {
     PackRecipe recipe = recipeFor("ball:15", "uniform:0.8,1.6");
-    recipe.domain.clips = {"plane:0,0,1,0", "box:-20,-20,-20,20,5,20"};
+    recipe.domain.clips = {parseClip("plane:0,0,1,0"), parseClip("box:-20,-20,-20,20,5,20")};
     const auto run = runPack(recipe);
     CHECK(run.passed);
     for (const auto& s : std::get<Pack<3>>(run.pack).spheres) {
@@ -283,7 +284,7 @@ TEST_CASE("bad input is refused with its kind of error and leaves no file", "[ru
     refuse(recipeFor("ball:-1", "uniform:1,2"), parameter);
     refuse(recipeFor("box:1,2", "uniform:1,2"), parameter);
     auto clipped = recipeFor("ball:10", "uniform:1,2");
-    clipped.domain.clips = {"plane:0,0,1,-20"};
+    clipped.domain.clips = {parseClip("plane:0,0,1,-20")};
     refuse(clipped, input);
     auto missing = recipeFor("ball:10", "uniform:1,2");
     missing.outputs = {folder.file("no/such/folder/o.csv")};
@@ -414,7 +415,7 @@ TEST_CASE("a pack is added to, and what stood there is written again as it was",
 
     // In stages: what was added stands in the next one.
     recipe.existing = folder.file("out.csv");
-    recipe.radius = "uniform:0.2,0.4";
+    recipe.radius = SizeRequest::parse("uniform:0.2,0.4");
     recipe.outputs = {folder.file("more.csv")};
     const auto more = runPack(recipe);
     CHECK(more.passed);

@@ -85,7 +85,7 @@ TEST_CASE("sizes follow a table or a grid, and the report says how well", "[cli]
 TEST_CASE("the shell and the inside have radii of their own, before and after densifying",
           "[cli]") {
     PackJob recipe = recipeFor("ball:14", "uniform:1,2");
-    recipe.shellRadius = "uniform:0.5,0.9";
+    recipe.shellRadius = SizeRequest::parse("uniform:0.5,0.9");
     recipe.request.shell = 3;
     const bool dense = GENERATE(false, true);
     if (dense) recipe.densify.fraction = 0.62;
@@ -129,7 +129,7 @@ TEST_CASE("a bone densifies whatever the radii leave of its shell", "[cli][long]
                             Case{1.2, "uniform:1.2,2.4", "uniform:0.6,1.2"});
     PackJob recipe = recipeFor(kMeshes + "/mandible.ply", c.radius);
     recipe.request.shell = c.shell;
-    recipe.shellRadius = c.shellRadius;
+    recipe.shellRadius = SizeRequest::parse(c.shellRadius);
     CAPTURE(c.shell);
     recipe.densify.fraction = 0.61;
     const auto report = runPack(recipe).report;
@@ -141,7 +141,7 @@ TEST_CASE("a bone densifies whatever the radii leave of its shell", "[cli][long]
 
 TEST_CASE("a warning names a shell that stays empty", "[cli]") {
     PackJob recipe = recipeFor("ball:8", "uniform:0.8,1.6");
-    recipe.shellRadius = "uniform:0.4,0.8";
+    recipe.shellRadius = SizeRequest::parse("uniform:0.4,0.8");
     for (const double thickness : {0.3, 1.6}) {
         CAPTURE(thickness);
         recipe.request.shell = thickness;
@@ -177,19 +177,18 @@ TEST_CASE("sizes by place refuse what they cannot use", "[cli]") {
     }
     SECTION("radii of a shell without a shell") {
         PackJob recipe = recipeFor(kBox, "uniform:1,2");
-        recipe.shellRadius = "uniform:0.5,1";
+        recipe.shellRadius = SizeRequest::parse("uniform:0.5,1");
         CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }),
                    Contains("shellRadius") && Contains("shell"));
         recipe.request.shell = 2;
-        recipe.shellRadius = "uniform:0.5";
-        CHECK_THROWS_AS(runPack(recipe), ParameterError);
-        recipe.shellRadius = "constant:0.001";
+        CHECK_THROWS_AS(SizeRequest::parse("uniform:0.5"), ParameterError);
+        recipe.shellRadius = SizeRequest::parse("constant:0.001");
         CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("200"));
     }
     SECTION("holes among the spheres") {
         PackJob recipe = recipeFor(kBox, "uniform:1,2");
         recipe.request.shell = 2;
-        recipe.shellRadius = "uniform:0.5,1";
+        recipe.shellRadius = SizeRequest::parse("uniform:0.5,1");
         recipe.request.method = "mixed";
         CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("mixed"));
     }

@@ -3,6 +3,7 @@
 #include "support/temporary_folder.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_mesh.h"
@@ -205,7 +206,8 @@ TEST_CASE("an axis of a foam is that of its voids in any periodic cell",
           "[cli][periodic][voids][long]") {
     auto recipe = cellRecipe<3>("foam");
     recipe.request.radius = "uniform:1.2,1.8";
-    recipe.request.orientation.axis = GENERATE(as<std::string>(), "0,0,1", "1,1,0");
+    recipe.request.orientation.axis =
+        VoidAxis::parse(GENERATE(as<std::string>(), "0,0,1", "1,1,0"));
     const auto run = runPack(recipe);
     CHECK(run.report.voids->bvtv.value_or(0) == Approx(0.4).margin(0.002));
     const auto voids = imagesOf(voidsOf<3>(run), packOf<3>(run).cell);
@@ -216,7 +218,7 @@ TEST_CASE("an axis of a foam is that of its voids in any periodic cell",
 TEST_CASE("walls beside periodic faces end the voids", "[cli][periodic][voids]") {
     auto recipe = cellRecipe<3>("boolean");
     recipe.domain.source = "box:24,22,26";
-    recipe.domain.periodic = "xy";
+    recipe.domain.periodic = parseAxes("xy");
     const auto run = runPack(recipe);
     const PeriodicCell<3> cell = packOf<3>(run).cell;
     CHECK_FALSE(cell.all());

@@ -28,7 +28,7 @@ template <int Dim>
 VoidShape<Dim> shapeOf(const std::string& radius, const std::string& aspect, const Box<Dim>& bounds,
                        const std::string& angles = "isotropic") {
     OrientationRecipe orientation;
-    orientation.angles = angles;
+    orientation.angles = VoidAngles::parse(angles);
     return {SizeDistribution::parse(radius, Dim), SizeDistribution::parse(aspect, Dim),
             makeOrientation<Dim>(orientation, bounds)};
 }

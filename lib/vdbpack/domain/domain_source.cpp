@@ -101,9 +101,10 @@ void warnOfLostDigits(const TriangleMesh& mesh, const DomainRecipe& recipe,
 
 /// @throws ParameterError for axes along which no box is to repeat.
 void requireShape(const DomainRecipe& recipe) {
-    if (recipe.periodic.empty()) return;
+    const std::string axes = textOf(recipe.periodic);
+    if (axes.empty()) return;
     throw ParameterError(fmt::format(
-        "`periodic` {}: {} is no shape; it is for box: and rect:", recipe.periodic, recipe.source));
+        "`periodic` {}: {} is no shape; it is for box: and rect:", axes, recipe.source));
 }
 
 /// The level set of a .vdb. @throws InputError, which asks for a threshold if there is a fog volume
@@ -126,9 +127,7 @@ std::shared_ptr<const VdbGrid> domainLevelSet(const DomainRecipe& recipe, double
 DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks)
     : recipe_(recipe) {
     const std::string& text = recipe.source;
-    for (const auto& clip : recipe.clips)
-        for (const auto& plane : parseClip(clip)) clips_.push_back(plane);
-    if (!recipe.slice.empty()) slice_ = parseSlice(recipe.slice);
+    takeCuts();
     if (!(recipe.scale > 0) || !std::isfinite(recipe.scale))
         throw ParameterError(fmt::format("`scale` {} must be positive", recipe.scale));
 
@@ -181,10 +180,14 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
 DomainSource::DomainSource(const DomainRecipe& recipe, TriangleMesh mesh,
                            const Callbacks& callbacks)
     : recipe_(recipe), mesh_(std::move(mesh)) {
-    for (const auto& clip : recipe.clips)
-        for (const auto& plane : parseClip(clip)) clips_.push_back(plane);
-    if (!recipe.slice.empty()) slice_ = parseSlice(recipe.slice);
+    takeCuts();
     takeMesh(callbacks);
+}
+
+void DomainSource::takeCuts() {
+    for (const Clip& clip : recipe_.clips)
+        clips_.insert(clips_.end(), clip.planes.begin(), clip.planes.end());
+    slice_ = recipe_.slice;
 }
 
 void DomainSource::takeMesh(const Callbacks& callbacks) {
@@ -247,14 +250,14 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
                                    *recipe.threshold, text));
     if (!image && !recipe.label.empty())
         callbacks.warn("`label` " + recipe.label + " has no effect: " + text + " is no image");
-    if ((levelSet || image) && (recipe.repair || !recipe.cavities.empty()))
+    if ((levelSet || image) && (recipe.repair || recipe.cavities.any()))
         callbacks.warn("`repair` and `cavities` have no effect: " + text +
                        (image ? " is an image" : " is a level set"));
     if (recipe.shellFrom == ShellFrom::outer && recipe.clips.empty() && !source.hasCavities())
         callbacks.warn("`shellFrom` outer changes nothing: " + text +
                        " has neither cavities nor clips");
     if (source.isFile()) return;
-    if (recipe.repair || !recipe.cavities.empty())
+    if (recipe.repair || recipe.cavities.any())
         callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a shape");
     if (recipe.unit != Unit::millimeter)
         callbacks.warn("`unit` has no effect: " + text + " is a shape, in mm");

@@ -137,6 +137,7 @@ private:
     std::vector<HalfSpace<3>> clips_;
     std::optional<double> slice_;
     std::vector<std::shared_ptr<const DomainSource>> outsides_;  ///< of what cuts the domain
+    void takeCuts();
     void takeMesh(const Callbacks& callbacks);
     FieldOptions fieldOptions(double minRadius, double maxRadius, double voxelSize) const;
     /// `mesh_` with its cavities filled.

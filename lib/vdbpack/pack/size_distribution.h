@@ -73,6 +73,8 @@ public:
     /// The same shape with all radii times `factor` > 0. For formulas `spec()` is the formula with
     /// its lengths multiplied and rounded to six digits.
     SizeDistribution scaled(double factor) const;
+    /// With the lengths of formulas rounded to six digits, so that `spec()` states them exactly.
+    SizeDistribution rounded() const;
 
 private:
     SizeDistribution(SizeShape shape, std::string spec);

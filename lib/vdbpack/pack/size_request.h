@@ -4,6 +4,7 @@
 #include "vdbpack/pack/size_distribution.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace vdbpack {
@@ -27,6 +28,8 @@ public:
     /// The distribution in a dimension, 2 or 3. Not for an empty request.
     /// @param weightBy  of table:FILE.
     const SizeDistribution& in(int dim, WeightBy weightBy = WeightBy::count) const;
+    /// The same; nothing for an empty request.
+    std::optional<SizeDistribution> find(int dim, WeightBy weightBy = WeightBy::count) const;
     /// All radii times `factor` > 0.
     SizeRequest scaled(double factor) const;
 

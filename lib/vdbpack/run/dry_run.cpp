@@ -39,7 +39,7 @@ DryRun dryRunPack(const PackRecipe& asked, const Callbacks& callbacks) {
         if (!(run.count >= 0.5))
             throw InputError(recipe.domain.source +
                              ": no sphere of these radii is expected to fit; choose smaller radii");
-        run.sizes = scaledSizes(run.requested.sizes, run.scale, run.extent.dim).spec();
+        run.sizes = run.requested.sizes.scaled(run.scale).spec();
         run.estimate = estimate(run.extent, recipe);
         // Blocks wait for their neighbors: 4 threads are 3.1, 16 threads 6.4 times as fast as one.
         const double slower = (1 + 0.1 * (run.threads - 1)) / run.threads;

@@ -91,9 +91,7 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
     RunResult run;
     const auto measure = [&](auto& pack, auto dim) {
         constexpr int Dim = decltype(dim)::value;
-        std::optional<SizeDistribution> sizes;
-        if (!recipe.radius.empty())
-            sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
+        const std::optional<SizeDistribution> sizes = recipe.sizes(Dim);
         DomainSource::Built built;
         Extent extent;
         extent.dim = Dim;

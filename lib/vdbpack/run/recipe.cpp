@@ -58,7 +58,7 @@ void checkSolidFill(const PackRecipe& recipe) {
     if (voids.cull == Cull::touch)
         throw ParameterError(
             "`fill` solid: no sphere meets a void, so that none is removed; leave `cull` out");
-    if (!recipe.domain.slice.empty())
+    if (recipe.domain.slice)
         throw ParameterError(
             "`fill` solid: voids have level sets in space alone; leave `slice` out");
 }
@@ -79,8 +79,6 @@ void checkPacking(const PackRecipe& recipe) {
     if (recipe.targetCount > 0 && recipe.targetCount != std::floor(recipe.targetCount))
         throw ParameterError(
             fmt::format("`targetCount` {}: must be a whole number of spheres", recipe.targetCount));
-    // A malformed SPEC is found before a large mesh is read.
-    if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
     checkLocalSizes(recipe);
     checkVoids(recipe.voids, true, true);
     requireVoidFields(recipe.voids);
@@ -90,8 +88,8 @@ void addInputs(const PackRecipe& recipe, std::vector<std::string>& inputs) {
     for (auto& file : voidInputs(recipe.voids)) inputs.push_back(std::move(file));
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     if (!recipe.givenExisting) inputs.push_back(recipe.existing);
-    inputs.push_back(recipe.radius);  // table:FILE
-    inputs.push_back(recipe.shellRadius);
+    inputs.push_back(recipe.radius.spec());  // table:FILE
+    inputs.push_back(recipe.shellRadius.spec());
     inputs.push_back(recipe.sizeField);
 }
 
@@ -182,13 +180,11 @@ double RequestedSizes::meanBall(int dim, double shell) const {
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
     const bool given = !recipe.radius.empty();
     RequestedSizes r{
-        SizeDistribution::parse(given ? recipe.radius : "uniform:1,2", dim, recipe.weightBy),
+        given ? recipe.radius.in(dim, recipe.weightBy) : SizeDistribution::uniform(1, 2),
         recipe.targetCount,
         {},
-        {},
+        recipe.shellRadius.find(dim, recipe.weightBy),
         readFactors(recipe)};
-    if (!recipe.shellRadius.empty())
-        r.shellSizes = SizeDistribution::parse(recipe.shellRadius, dim, recipe.weightBy);
     requireRatio(r.sizes, r.sizes);
     if (r.shellSizes) {
         requireRatio(*r.shellSizes, r.sizes);

@@ -155,10 +155,7 @@ void writeReport(const MeasureResult& result, const MeasureRecipe& recipe) {
     if (!result.morphometry)
         std::visit(
             [&](const auto& pack) {
-                std::optional<SizeDistribution> sizes;
-                if (!recipe.radius.empty())
-                    sizes =
-                        SizeDistribution::parse(recipe.radius, page.report.dim, recipe.weightBy);
+                const auto sizes = recipe.sizes(page.report.dim);
                 page.radii = histogramOf(pack, 0, sizes ? &*sizes : nullptr);
             },
             result.run.pack);

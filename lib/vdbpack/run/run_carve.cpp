@@ -44,9 +44,7 @@ void keepNames(Pack<Dim>& pack) {
 template <int Dim>
 RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     const RadiusStatistics radius = radiusStatistics(run.pack.spheres);
-    std::optional<SizeDistribution> sizes;
-    if (!recipe.radius.empty())
-        sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
+    const std::optional<SizeDistribution> sizes = recipe.sizes(Dim);
     run.sizes = sizes ? &*sizes : nullptr;
     run.voidRecipe = &recipe.voids;
     // Without a shell there are no regions but those of the input pack.

@@ -22,9 +22,7 @@ template <int Dim>
 RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     requireRoomToNumber(run.pack, recipe.pack);
     run.report.requestedGap = recipe.densify.gap;
-    std::optional<SizeDistribution> sizes;
-    if (!recipe.radius.empty())
-        sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
+    const std::optional<SizeDistribution> sizes = recipe.sizes(Dim);
     run.sizes = sizes ? &*sizes : nullptr;
     RadiusStatistics radius = radiusStatistics(run.pack.spheres);
     // Coordinates are written as finely as the radii of the input pack deserve.

@@ -308,7 +308,7 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
         scale = round == kMostRounds - 1 ? std::exp(nearest->scale)
                 : larger && smaller      ? std::exp(between(*larger, *smaller))
                                          : scale * std::pow(count / target, 1.0 / Dim);
-        scaleSizes(options, first, scale, Dim);
+        scaleSizes(options, first, scale);
         begun.seconds = run->report.seconds;
     }
 }

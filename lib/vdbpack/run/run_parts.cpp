@@ -35,8 +35,8 @@ bool isLabelMap(const DomainRecipe& domain) {
 
 /// What recipes that read the same image in the same way have in common.
 auto imageKey(const DomainRecipe& domain) {
-    return std::make_tuple(domain.source, domain.image, domain.voxelSpacing, domain.unit,
-                           domain.scale, domain.space);
+    return std::make_tuple(domain.source, domain.image, domain.voxelSpacing.value_or(Vec<3>{}).c,
+                           domain.unit, domain.scale, domain.space);
 }
 
 /// Refuses what is done for one domain alone. @throws ParameterError
@@ -48,7 +48,7 @@ void checkPartsRecipe(const PackRecipe& recipe) {
     };
     refuse(!recipe.existing.empty(), "`existing`");
     refuse(recipe.packing.maxCount > 0, "`maxCount`");
-    refuse(!recipe.domain.slice.empty(), "`slice`");
+    refuse(recipe.domain.slice.has_value(), "`slice`");
     refuse(recipe.ranks != nullptr, "mpirun");
     refuse(isPage(recipe.reportFile), "a report page (a .json is written)");
     for (const PackRecipe& part : recipe.parts) {
@@ -228,7 +228,8 @@ public:
         double volume = 0, largest = 0;
         for (std::size_t k = 0; k < parts.size(); ++k) {
             const PackRecipe& part = parts[k]->recipe;
-            shared_[k] = part.radius == recipe.radius && part.targetCount == recipe.targetCount;
+            shared_[k] = part.radius.spec() == recipe.radius.spec() &&
+                         part.weightBy == recipe.weightBy && part.targetCount == recipe.targetCount;
             if (!shared_[k]) continue;
             const double own = parts[k]->source.volume();
             volume += own;
@@ -254,16 +255,15 @@ public:
         if (!shared_[k] || k == first_ || found_.empty()) return;
         part.radius = found_;
         part.targetCount = 0;
-        part.weightBy = WeightBy::count;
     }
     void take(const SizeDistribution& sizes, std::size_t k) {
-        if (shared_[k] && k == first_) found_ = sizes.spec();
+        if (shared_[k] && k == first_) found_ = sizes;
     }
 
 private:
     std::vector<std::uint8_t> shared_;
     std::size_t first_ = 0;
-    std::string found_;
+    SizeRequest found_;
 };
 
 /// Adds a pack of a part to those before it, and its number to the first column. Depths are taken

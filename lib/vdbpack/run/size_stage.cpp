@@ -68,10 +68,9 @@ private:
 
 void checkLocalSizes(const PackRecipe& recipe) {
     if (!recipe.shellRadius.empty()) {
-        SizeDistribution::parse(recipe.shellRadius, 3, recipe.weightBy);
         if (!recipe.voids.hasShell())
             throw ParameterError(
-                "`shellRadius` " + recipe.shellRadius +
+                "`shellRadius` " + recipe.shellRadius.spec() +
                 ": there is no shell; set its thickness by `shell`, such as 3, or `shellField`");
         if (recipe.voids.fill == Fill::solid)
             throw ParameterError(

@@ -39,7 +39,7 @@ void fitTo(const VoidSetting<3>& s, FoamPacks<3>& packs, VoidRecipe& recipe, Voi
         "{:.4g} "
         "--void-blend {:.4g} --void-strut {:.4g} --void-strut-share {:.4g} --void-voxel {:.4g}",
         *foam.targetBvtv,
-        shape.orientation.axis.empty() ? "" : "--void-axis " + shape.orientation.axis + " ",
+        shape.orientation.axis ? "--void-axis " + shape.orientation.axis->text + " " : "",
         report.radius, shape.aspect.spec(), *foam.jitter, *recipe.blend, *recipe.strut,
         *recipe.strutShare, recipe.voxelSize);
 }
