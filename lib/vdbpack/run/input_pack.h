@@ -59,12 +59,12 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
         const DomainRecipe domain = domainOf(recipe, pack);
         if (domain.source.empty())
             throw ParameterError("the spheres lie in a domain; set the `domain` of the pack");
-        const DomainSource source(domain, heard);
+        const auto source = std::make_shared<const DomainSource>(domain, heard);
         report.seconds.mesh = clock.lap();
-        beginOn({&source}, recipe, voids, report, heard, true);
-        warnOfUnused(domain, source, heard);
-        checkOutputKinds(recipe.outputs, RunKind::pack, voids, source.dim());
-        if (source.dim() == 2) {
+        beginOn({source.get()}, recipe, voids, report, heard, true);
+        warnOfUnused(domain, *source, heard);
+        checkOutputKinds(recipe.outputs, RunKind::pack, voids, source->dim());
+        if (source->dim() == 2) {
             Run<2> run(recipe, source, report, clock, limited);
             run.pack = asCircles(pack);
             return stages(run);

@@ -8,7 +8,7 @@ template <int Dim>
 double keptCount(const Run<Dim>& run, const std::vector<Sphere<Dim>>& existing,
                  const std::vector<Sphere<Dim>>& trial, double largest,
                  std::optional<MadeVoids<Dim>>& voids) {
-    const VoidRecipe& recipe = *run.voidRecipe;
+    const VoidRecipe& recipe = run.voids.recipe;
     // Where the solid is filled, no void removes a sphere.
     if (recipe.empty() || (run.solid && !recipe.keepConnected))
         return static_cast<double>(sumOver(run.ranks(), std::uint64_t{trial.size()}));
@@ -20,15 +20,10 @@ double keptCount(const Run<Dim>& run, const std::vector<Sphere<Dim>>& existing,
     Callbacks making = silent;
     if (serveAll) making.warning = run.callbacks.warning;
     const auto settingWith = [&](const Callbacks& callbacks) {
-        return VoidSetting<Dim>{recipe,
-                                run.domain(),
-                                run.built.sliceHeight,
-                                run.settings.seed,
-                                largest,
-                                callbacks,
-                                nullptr,
-                                run.bvtv,
-                                run.shell};
+        VoidSetting<Dim> setting = voidSetting(run, callbacks);
+        setting.largestRadius = largest;
+        setting.ranks = nullptr;
+        return setting;
     };
     MadeVoids<Dim> made;
     if (voids)

@@ -50,7 +50,7 @@ template <int Dim>
 SphereRows rowsOf(const Run<Dim>& run) {
     if (!run.ranks()) return {};
     SphereRows all{run.ranks(), std::vector<std::int64_t>(run.pack.spheres.size())};
-    for (const RowSpan& span : run.spans)
+    for (const RowSpan& span : run.share.spans)
         for (std::size_t i = span.begin; i < span.end; ++i)
             all.rows[i] = static_cast<std::int64_t>(span.row + (i - span.begin));
     return all;

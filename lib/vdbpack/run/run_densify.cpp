@@ -23,17 +23,17 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     requireRoomToNumber(run.pack, recipe.pack);
     run.report.requestedGap = recipe.densify.gap;
     const std::optional<SizeDistribution> sizes = recipe.sizes(Dim);
-    run.sizes = sizes ? &*sizes : nullptr;
+    if (sizes) run.sizes = PackSizes{*sizes};
     RadiusStatistics radius = radiusStatistics(run.pack.spheres);
     // Coordinates are written as finely as the radii of the input pack deserve.
-    run.positionStep = std::exp2(std::floor(std::log2(radius.mean))) * 0x1p-22;
+    run.facts.positionStep = std::exp2(std::floor(std::log2(radius.mean))) * 0x1p-22;
     if (sizes) {
         radius.min = std::min(radius.min, sizes->min());
         radius.max = std::max(radius.max, sizes->max());
     }
     const double detail = fieldDetail(radius.min, radius.mean),
                  reach = radius.max + recipe.densify.gap;
-    Extent extent = extentOf(run.source, detail, reach);
+    Extent extent = extentOf(*run.source, detail, reach);
     extent.count = static_cast<double>(run.pack.spheres.size());
     extent.densifying = true;
     const PeriodicCell<Dim> stated = run.pack.cell;

@@ -33,17 +33,18 @@ namespace vdbpack {
 
 namespace {
 
+using SourcePtr = std::shared_ptr<const DomainSource>;
+
 /// The part that the packs of all seeds of a recipe share.
 template <int Dim>
 struct Prepared {
     RequestedSizes requested;
     FieldRadii radii;
-    DomainSource::Built built;
-    Pack<Dim> existing;
+    DomainSource::Built built{};
+    Pack<Dim> existing{};
     std::uint64_t inputOverlaps = 0, inputProtrusions = 0;
-    std::function<double(const Vec<Dim>&)> bvtv{};  ///< by place; empty: the same everywhere
-    ShellThickness shell{};                         ///< by place; uniform: that of the recipe
-    LocalSizes local{};                             ///< what differs by place in the sizes
+    RunVoids<Dim> voids{};
+    LocalSizes local{};  ///< what differs by place in the sizes
 };
 
 /// Reads the spheres to pack around, and counts what is wrong with them already.
@@ -73,6 +74,18 @@ void prepareExisting(const PackRecipe& recipe, const DomainSource& source, Prepa
                         recipe.existing, prepared.inputProtrusions, Measure<Dim>::kSpheres));
 }
 
+/// Warns of sizes for a shell that no sphere of them lies in.
+template <int Dim>
+void warnOfEmptyShell(const LocalSizes& local, const Callbacks& callbacks) {
+    const auto& own = local.shellSizes;
+    if (!own || local.shell.most() > own->min()) return;
+    callbacks.warn(fmt::format(
+        "no {} of `shellRadius` lies in the shell: its thickness is at most {:.4g} mm, the "
+        "radii are at least {:.4g} mm, and centers are at least a radius below the wall; give "
+        "smaller radii, or a thicker shell",
+        Measure<Dim>::kSphere, local.shell.most(), own->min()));
+}
+
 template <int Dim>
 Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
@@ -82,34 +95,29 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
         throw ParameterError(recipe.domain.source +
                              ": `fill` solid needs a domain of space; leave it out");
     const FieldRadii& radii = plan.radii;
-    Prepared<Dim> prepared{std::move(plan.requested), radii, {}, {}, 0, 0, {}};
+    Prepared<Dim> prepared{std::move(plan.requested), radii};
     prepared.built =
         source.build(radii.detail, radii.reach, callbacks, plannedVoxel(recipe.voids, Dim));
     const Domain<Dim>& domain = *ofDim<Dim>(prepared.built);
-    const double largest = prepared.requested.largest() * radii.scale;
-    prepared.shell = shellOver(recipe.voids, domain.bounds(), prepared.built.sliceHeight);
-    if (recipe.voids.hasShell() || !recipe.voids.empty())
+    const double height = prepared.built.sliceHeight;
+    RunVoids<Dim>& voids = prepared.voids;
+    voids.recipe = recipe.voids;
+    voids.largestRadius = prepared.requested.largest() * radii.scale;
+    voids.shell = shellOver(recipe.voids, domain.bounds(), height);
+    if (voids.areCut())
         checkRoom(VoidSetting<Dim>{recipe.voids,
                                    domain,
-                                   prepared.built.sliceHeight,
+                                   height,
                                    recipe.seed,
-                                   largest,
+                                   voids.largestRadius,
                                    callbacks,
                                    nullptr,
                                    {},
-                                   prepared.shell},
+                                   voids.shell},
                   true);
-    prepared.local =
-        localSizes(recipe, prepared.requested, domain, prepared.built.sliceHeight, prepared.shell);
-    if (const auto& own = prepared.local.shellSizes;
-        own && !(prepared.local.shell.most() > own->min()))
-        callbacks.warn(fmt::format(
-            "no {} of `shellRadius` lies in the shell: its thickness is at most {:.4g} mm, the "
-            "radii are at least {:.4g} mm, and centers are at least a radius below the wall; give "
-            "smaller radii, or a thicker shell",
-            Measure<Dim>::kSphere, prepared.local.shell.most(), own->min()));
-    prepared.bvtv = bvtvField<Dim>(recipe.voids, source.recipe(), domain.bounds(),
-                                   prepared.built.sliceHeight, callbacks);
+    prepared.local = localSizes(recipe, prepared.requested, domain, height, voids.shell);
+    warnOfEmptyShell<Dim>(prepared.local, callbacks);
+    voids.bvtv = bvtvField<Dim>(recipe.voids, source.recipe(), domain.bounds(), height, callbacks);
     checkPreview<Dim>(recipe.preview, domain, nullptr);
     prepareExisting(recipe, source, prepared, callbacks);
     return prepared;
@@ -151,7 +159,7 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
             result = packToCount(domain, options, target * front / after, run.callbacks, existing,
                                  counted);
     }
-    if (voids) run.voids = std::move(*voids);
+    if (voids) run.voids.made = std::move(*voids);
     return result;
 }
 
@@ -161,12 +169,32 @@ void shareExisting(Run<Dim>& run, std::size_t given, Pack<Dim>& pack) {
     // Those that were added are numbered on.
     std::int64_t last = given > 0 ? std::numeric_limits<std::int64_t>::min() : -1;
     for (std::size_t i = 0; i < given; ++i) last = std::max(last, pack.order[i]);
-    for (std::int64_t& piece : run.pieces) piece += last + 1;
+    for (std::int64_t& piece : run.share.pieces) piece += last + 1;
     if (run.isFirst()) return;
     std::vector<std::uint8_t> keep(pack.spheres.size(), 1);
     std::fill_n(keep.begin(), given, 0);
     keepOnly(pack, keep);
-    run.fixed = run.labelled = 0;
+    run.facts.fixed = run.facts.labelled = 0;
+}
+
+/// Puts the existing spheres before those of the front, and notes them.
+template <int Dim>
+void joinExisting(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& prepared) {
+    const Pack<Dim>& existing = prepared.existing;
+    const std::size_t given = existing.spheres.size();
+    const std::uint64_t added = sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()});
+    if (added == 0 && !run.report.interrupted)
+        run.callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
+    run.facts.fixed = given;
+    if (!existing.region.empty()) run.facts.labelled = given;
+    run.report.existing = given;
+    run.report.inputOverlaps = prepared.inputOverlaps;
+    // Into voids as well, where what they leave is filled.
+    run.report.inputProtrusions = run.solid
+                                      ? run.filledSource().protrusion(existing.spheres).spheres
+                                      : prepared.inputProtrusions;
+    run.pack = joined(existing, run.pack);
+    if (run.ranks()) shareExisting(run, given, run.pack);
 }
 
 /// The front, with the existing spheres before those that it places.
@@ -184,9 +212,12 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
         result = packTarget(run, recipe, target, prepared, options);
     else if (!holes)
         result = packSpheres(run.filled(), options, run.callbacks, existing);
-    run.largestRadius = options.local.largest(options.sizes);
-    if (holes && !result.interrupted)
-        result = packWithHoles(run.voidSetting(), options, existing, run.voids);
+    run.sizes = PackSizes{options.sizes, options.local};
+    run.voids.largestRadius = options.local.largest(options.sizes);
+    if (holes && !result.interrupted) {
+        const Callbacks own = run.own();
+        result = packWithHoles(voidSetting(run, own), options, existing, run.voids.made);
+    }
     if (target > 0)
         run.report.chosen.push_back(fmt::format(
             "radii {} mm{}, so that about {:.0f} {} {}", options.sizes.spec(),
@@ -196,26 +227,12 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
             recipe.voids.empty() ? "fill the domain" : "remain beside the voids"));
     result.pack.sliceHeight = run.built.sliceHeight;
     run.report.interrupted = result.interrupted;
-    run.positionStep = result.quantum;
-    run.pieces = std::move(result.pieces);
-    if (!recipe.existing.empty()) {
-        const std::uint64_t added = sumOver(run.ranks(), std::uint64_t{result.pack.spheres.size()});
-        if (added == 0 && !result.interrupted)
-            run.callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
-        run.fixed = existing.size();
-        if (!prepared.existing.region.empty()) run.labelled = existing.size();
-        run.report.existing = existing.size();
-        run.report.inputOverlaps = prepared.inputOverlaps;
-        // Into voids as well, where what they leave is filled.
-        run.report.inputProtrusions =
-            run.solid ? run.filledSource().protrusion(existing).spheres : prepared.inputProtrusions;
-        const std::size_t given = existing.size();
-        result.pack = joined(prepared.existing, result.pack);
-        if (run.ranks()) shareExisting(run, given, result.pack);
-    }
+    run.facts.positionStep = result.quantum;
+    run.share.pieces = std::move(result.pieces);
     run.pack = std::move(result.pack);
+    if (!recipe.existing.empty()) joinExisting(run, recipe, prepared);
     run.report.seconds.pack += run.clock.lap();
-    return holes || run.solid || run.voids.stamped;
+    return holes || run.solid || run.voids.made.stamped;
 }
 
 template <int Dim>
@@ -224,26 +241,20 @@ using RunPtr = std::unique_ptr<Run<Dim>>;
 /// The stages from the packing to the cutting of voids.
 /// @param scaled, options  as those of packStage.
 template <int Dim>
-RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
+RunPtr<Dim> packAndCut(const PackRecipe& recipe, const SourcePtr& source,
                        const Prepared<Dim>& prepared, const Report& begun, bool scaled,
-                       Clock& clock, const Callbacks& callbacks, PackOptions& options) {
+                       const Clock& clock, const Callbacks& callbacks, PackOptions& options) {
     auto run = std::make_unique<Run<Dim>>(recipe, source, begun, clock, callbacks);
     run->keepsPack = true;
     run->built = prepared.built;
-    run->voidRecipe = &recipe.voids;
-    run->bvtv = prepared.bvtv;
-    run->shell = prepared.shell;
+    run->voids = prepared.voids;
     run->report.seed = recipe.seed;
     run->report.chosen = prepared.requested.chosen;
     run->report.requestedGap = recipe.packing.gap;
-    run->sizes = &options.sizes;
-    run->local = options.local.any() ? &options.local : nullptr;
-    clock.lap();
+    run->clock.lap();
     if constexpr (Dim == 3)
-        if (recipe.voids.fill == Fill::solid) {
-            run->largestRadius = prepared.requested.largest() * prepared.radii.scale;
+        if (recipe.voids.fill == Fill::solid)
             solidStage(*run, prepared.radii.detail, prepared.radii.reach);
-        }
     const bool voidsMade = packStage(*run, recipe, prepared, scaled, options);
     if (recipe.densify.fraction > 0) {
         DensifyOptions densify = recipe.densify;
@@ -271,8 +282,8 @@ double between(const Miss& a, const Miss& b) {
 /// sought: which of them holes leave, or stay connected once densified, is known only afterwards.
 /// Only the last round says its warnings.
 template <int Dim>
-RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
-                       const Prepared<Dim>& prepared, Report begun, Clock& clock,
+RunPtr<Dim> packToKeep(const PackRecipe& recipe, const SourcePtr& source,
+                       const Prepared<Dim>& prepared, Report begun, const Clock& clock,
                        const Callbacks& callbacks, PackOptions& options) {
     constexpr int kMostRounds = 6;  // the last repeats the nearest of the others
     constexpr double kNear = 0.018;
@@ -293,7 +304,7 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
         auto run = packAndCut(recipe, source, prepared, begun, round > 1, clock, held, options);
         if (round == 1) first = options;
         const auto count = static_cast<double>(
-            sumOver(run->ranks(), std::uint64_t{run->pack.spheres.size() - run->fixed}));
+            sumOver(run->ranks(), std::uint64_t{run->pack.spheres.size() - run->facts.fixed}));
         const bool near = std::fabs(count - target) <= std::max(kNear * target, 0.5);
         if (near || !(count > 0) || run->report.interrupted || round == kMostRounds) {
             *holds = false;
@@ -314,11 +325,12 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
 }
 
 /// A pack, cut and measured.
-/// @param options  sizes: those that were packed; must outlive the result.
 template <int Dim>
-RunPtr<Dim> packMeasured(const PackRecipe& recipe, const DomainSource& source,
-                         const Prepared<Dim>& prepared, const Report& begun, Clock& clock,
-                         const Callbacks& callbacks, PackOptions& options) {
+RunPtr<Dim> packMeasured(const PackRecipe& recipe, const SourcePtr& source,
+                         const Prepared<Dim>& prepared, const Report& begun, const Clock& clock,
+                         const Callbacks& callbacks) {
+    PackOptions options = packOptions(recipe, prepared.requested.sizes);
+    options.local = prepared.local;
     RunPtr<Dim> run = packToKeep(recipe, source, prepared, begun, clock, callbacks, options);
     measureStage(*run);
     if (recipe.packing.maxCount == 0) {
@@ -330,21 +342,19 @@ RunPtr<Dim> packMeasured(const PackRecipe& recipe, const DomainSource& source,
 
 /// All stages after those that the seeds share.
 template <int Dim>
-RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
-                       const Prepared<Dim>& prepared, const Report& begun, Clock& clock,
+RunResult packPrepared(const PackRecipe& recipe, const SourcePtr& source,
+                       const Prepared<Dim>& prepared, const Report& begun, const Clock& clock,
                        const Callbacks& callbacks) {
-    PackOptions options = packOptions(recipe, prepared.requested.sizes);
-    options.local = prepared.local;
-    const RunPtr<Dim> packed =
-        packMeasured(recipe, source, prepared, begun, clock, callbacks, options);
+    const RunPtr<Dim> packed = packMeasured(recipe, source, prepared, begun, clock, callbacks);
     Run<Dim>& run = *packed;
     PageDetails details;
     if (isPage(recipe.reportFile))
         run.unlessInterrupted([&] {
-            details =
-                pageDetails(run.pack, run.fixed, run.filledSource(),
-                            run.solid ? &run.source : nullptr, run.filled(), options.sizes,
-                            run.report, run.ranks() ? run.uncancelled : callbacks, rowsOf(run));
+            Callbacks own = callbacks;
+            if (run.ranks()) own.cancelled = nullptr;
+            details = pageDetails(run.pack, run.facts.fixed, run.filledSource(),
+                                  run.solid ? run.source.get() : nullptr, run.filled(),
+                                  run.sizes->all, run.report, own, rowsOf(run));
         });
     RunResult result = finishStage(run);
     if (run.isFirst()) writeReport(result, details, recipe);
@@ -352,13 +362,13 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
 }
 
 template <int Dim>
-void packAll(const std::vector<PackRecipe>& recipes, const DomainSource& source,
-             const Report& begun, Clock clock, const Callbacks& callbacks,
+void packAll(const std::vector<PackRecipe>& recipes, const SourcePtr& source, const Report& begun,
+             Clock clock, const Callbacks& callbacks,
              const std::function<bool(RunResult&&)>& done) {
     Report first = begun;
     clock.lap();
     const Prepared<Dim> prepared =
-        prepare<Dim>(recipes.front(), source, keepingWarnings(callbacks, first.warnings));
+        prepare<Dim>(recipes.front(), *source, keepingWarnings(callbacks, first.warnings));
     first.seconds.domain = clock.lap();
     for (const PackRecipe& recipe : recipes) {
         if (!done(packPrepared(recipe, source, prepared, first, clock, callbacks))) return;
@@ -368,36 +378,16 @@ void packAll(const std::vector<PackRecipe>& recipes, const DomainSource& source,
     }
 }
 
-void packDomain(const std::vector<PackRecipe>& recipes, const DomainSource& source,
-                const Report& begun, const Clock& clock, const Callbacks& callbacks,
-                const std::function<bool(RunResult&&)>& done) {
-    if (source.dim() == 3)
-        packAll<3>(recipes, source, begun, clock, callbacks, done);
-    else
-        packAll<2>(recipes, source, begun, clock, callbacks, done);
-}
-
-/// What takes a result and goes on.
-std::function<bool(RunResult&&)> into(RunResult& result) {
-    return [&result](RunResult&& run) {
-        result = std::move(run);
-        return true;
-    };
-}
-
 }  // namespace
 
-PackedPart packPart(const PackRecipe& recipe, const DomainSource& source, const Report& begun,
-                    Clock& clock, const Callbacks& callbacks) {
+std::unique_ptr<Run<3>> packPart(const PackRecipe& recipe, const SourcePtr& source,
+                                 const Report& begun, Clock clock, const Callbacks& callbacks) {
     Report first = begun;
-    const auto prepared = prepare<3>(recipe, source, keepingWarnings(callbacks, first.warnings));
+    const auto prepared = prepare<3>(recipe, *source, keepingWarnings(callbacks, first.warnings));
     first.seconds.domain = clock.lap();
-    PackedPart part{std::make_unique<PackOptions>(packOptions(recipe, prepared.requested.sizes)),
-                    nullptr};
-    part.options->local = prepared.local;
-    part.run = packMeasured<3>(recipe, source, prepared, first, clock, callbacks, *part.options);
-    part.run->bvtv = {};  // it holds an image
-    return part;
+    auto run = packMeasured<3>(recipe, source, prepared, first, clock, callbacks);
+    run->voids.bvtv = {};  // it holds an image
+    return run;
 }
 
 void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
@@ -416,20 +406,23 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
             r.voids = sampled;
             for (PackRecipe& part : r.parts) part.voids = withSample(part.voids, heard);
         }
-        if (const auto parts = partsOf(recipe, heard); !parts.empty()) {
+        if (Parts parts = partsOf(recipe, heard); !parts.empty()) {
             report.seconds.mesh = clock.lap();
             if (recipes.size() > 1)
                 throw ParameterError("several parts are packed with one `seed`");
-            done(packParts(recipe, parts, report, clock, callbacks));
+            done(packParts(recipe, std::move(parts), report, clock, callbacks));
             return;
         }
-        const DomainSource source(recipe.domain, heard);
+        const auto source = std::make_shared<const DomainSource>(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
-        if (recipe.ranks) checkRanksIn(source, recipe);
-        beginOn({&source}, recipe, recipe.voids, report, heard);
-        warnOfUnused(recipe.domain, source, heard);
-        checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source.dim());
-        packDomain(recipes, source, report, clock, callbacks, done);
+        if (recipe.ranks) checkRanksIn(*source, recipe);
+        beginOn({source.get()}, recipe, recipe.voids, report, heard);
+        warnOfUnused(recipe.domain, *source, heard);
+        checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source->dim());
+        if (source->dim() == 3)
+            packAll<3>(recipes, source, report, clock, callbacks, done);
+        else
+            packAll<2>(recipes, source, report, clock, callbacks, done);
     };
     try {
         // One thread more speaks with the other ranks.
@@ -446,7 +439,10 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
 
 RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks) {
     RunResult result;
-    packEach({recipe}, callbacks, into(result));
+    packEach({recipe}, callbacks, [&result](RunResult&& run) {
+        result = std::move(run);
+        return true;
+    });
     return result;
 }
 

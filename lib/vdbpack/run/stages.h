@@ -14,18 +14,23 @@
 
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain_source.h"
+#include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/row_spans.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/run/clock.h"
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/make_voids.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <map>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -37,63 +42,79 @@ struct SolidFill {
     std::shared_ptr<const Domain<Dim>> space;  ///< inside the contour and the domain
 };
 
+/// What is known of the spheres of a run.
+struct PackFacts {
+    std::size_t fixed = 0;     ///< the first spheres are neither moved nor removed
+    std::size_t labelled = 0;  ///< the first spheres keep the regions that they came with
+    double positionStep = 0;   ///< coordinates are multiples of it, mm; 0: unknown
+};
+
+/// The sizes that spheres were packed with, or are compared with.
+struct PackSizes {
+    SizeDistribution all;
+    LocalSizes local{};  ///< what differs by place in them
+};
+
+/// The voids of a run.
+template <int Dim>
+struct RunVoids {
+    VoidRecipe recipe{};                            ///< without a method and a shell: none are cut
+    double largestRadius = 0;                       ///< of the spheres there are or will be, mm
+    std::function<double(const Vec<Dim>&)> bvtv{};  ///< by place; empty: the same everywhere
+    ShellThickness shell{};                         ///< by place; uniform: that of the recipe
+    MadeVoids<Dim> made{};
+
+    bool areCut() const { return !recipe.empty() || recipe.hasShell(); }
+};
+
+/// The share of a rank in the spheres of a run.
+template <int Dim>
+struct RankShare {
+    std::vector<std::int64_t> pieces;  ///< as in PackResult, with the orders of the pack
+    std::vector<RowSpan> spans;        ///< rows of the spheres in the pack of all
+    Pack<Dim> named;                   ///< spheres of any rank that a check names
+};
+
+/// What a run on several parts writes in place of the domain and the solid of one.
+struct JoinedParts {
+    std::vector<std::shared_ptr<const DomainSource>> sources;  ///< empty: there is one domain
+    std::vector<SolidTest> solids;                             ///< what is left of each
+    std::vector<std::shared_ptr<const VdbGrid>> levelSets;
+    TriangleMesh walls;
+    PartProperties properties;
+};
+
 /// A run under way: what its stages pass on to one another.
 template <int Dim>
 struct Run {
-    /// @param begun   with the warnings so far.
+    /// @param begun    with the warnings so far.
     /// @param limited  callbacks of the caller, within the limit of memory.
-    Run(const RunSettings& ofRun, const DomainSource& ofDomain, Report begun, Clock& running,
-        const Callbacks& limited)
+    Run(const RunSettings& ofRun, std::shared_ptr<const DomainSource> ofDomain, Report begun,
+        const Clock& running, const Callbacks& limited)
         : settings(ofRun),
-          source(ofDomain),
+          source(std::move(ofDomain)),
           report(std::move(begun)),
           clock(running),
-          plain(limited),
-          callbacks(keepingWarnings(limited, report.warnings)),
-          uncancelled{callbacks.progress, callbacks.warning, {}} {}
+          callbacks(keepingWarnings(limited, report.warnings)) {}
     Run(const Run&) = delete;
     Run& operator=(const Run&) = delete;
 
-    const RunSettings& settings;
-    const DomainSource& source;
+    RunSettings settings;
+    std::shared_ptr<const DomainSource> source;
     Report report;
-    Clock& clock;
-    const Callbacks& plain;     ///< of the caller
-    const Callbacks callbacks;  ///< the same; `report` keeps the warnings
-    /// The same for stages that ranks do each for itself: none may end before the others.
-    const Callbacks uncancelled;
+    Clock clock;
+    Callbacks callbacks;  ///< of the caller; `report` keeps the warnings
     /// Whether an interrupt ends the run with what is complete; else it throws Interrupted.
     bool keepsPack = false;
-
     DomainSource::Built built;
     bool hasPack = true;  ///< or voids alone
-    Pack<Dim> pack;
-    std::size_t fixed = 0;     ///< the first spheres are neither moved nor removed
-    std::size_t labelled = 0;  ///< the first spheres keep the regions that they came with
-    const SizeDistribution* sizes = nullptr;  ///< requested; null: none
-    const LocalSizes* local = nullptr;        ///< what differs by place in them; null: nothing
-    double positionStep = 0;                  ///< coordinates are multiples of it, mm; 0: unknown
-
-    const VoidRecipe* voidRecipe = nullptr;       ///< null: none are cut
-    double largestRadius = 0;                     ///< of the spheres there are or will be, mm
-    std::function<double(const Vec<Dim>&)> bvtv;  ///< by place; empty: the same everywhere
-    ShellThickness shell;                         ///< by place; uniform: thickness of the recipe
-    MadeVoids<Dim> voids;
+    Pack<Dim> pack;       ///< over ranks: the share of this one
+    PackFacts facts;
+    std::optional<PackSizes> sizes;  ///< requested; nothing: none
+    RunVoids<Dim> voids;
     std::optional<SolidFill<Dim>> solid;  ///< what the spheres fill; nothing: the domain
-
-    // Over ranks: `pack` has the share of this one.
-    std::vector<std::int64_t> pieces;  ///< as in PackResult, with the orders of `pack`
-    std::vector<RowSpan> spans;        ///< rows of the spheres in the pack of all
-    Pack<Dim> named;                   ///< spheres of any rank that a check names
-
-    /// Of several parts: what is written in place of the level sets of `built`; empty: those.
-    std::vector<std::shared_ptr<const VdbGrid>> partLevelSets;
-    std::map<std::int32_t, double> partDensity;       ///< by material, kg/m³
-    std::map<std::int32_t, std::string> partModulus;  ///< by part, as `GreyRecipe::modulus`
-    TriangleMesh partWalls;                           ///< of all parts
-    std::vector<const Run*> partRuns;                 ///< which must outlive this one
-
-    PagePicture picture;
+    RankShare<Dim> share;                 ///< over ranks
+    JoinedParts parts;                    ///< of several parts
 
     Ranks* ranks() const { return settings.ranks; }
     /// Whether this rank speaks for all.
@@ -101,8 +122,12 @@ struct Run {
     const Domain<Dim>& domain() const { return *ofDim<Dim>(built); }
     /// What the spheres fill, and where it comes from.
     const Domain<Dim>& filled() const { return solid ? *solid->space : domain(); }
-    const DomainSource& filledSource() const { return solid ? solid->source : source; }
-    bool cuts() const { return voidRecipe && (!voidRecipe->empty() || voidRecipe->hasShell()); }
+    const DomainSource& filledSource() const { return solid ? solid->source : *source; }
+    bool cuts() const { return voids.areCut(); }
+    const SizeDistribution* requested() const { return sizes ? &sizes->all : nullptr; }
+    const LocalSizes* local() const {
+        return sizes && sizes->local.any() ? &sizes->local : nullptr;
+    }
     /// Gap up to which spheres count as connected, as a share of the smaller radius: those that
     /// were densified nearly touch.
     double connectionTolerance() const {
@@ -110,10 +135,11 @@ struct Run {
         return report.densified ? std::max(settings.contactTolerance, kDensified)
                                 : settings.contactTolerance;
     }
-    VoidSetting<Dim> voidSetting() const {
-        return {*voidRecipe,   domain(),      built.sliceHeight,
-                settings.seed, largestRadius, ranks() ? uncancelled : callbacks,
-                ranks(),       bvtv,          shell};
+    /// Callbacks of a stage that ranks do each for itself: none may end before the others.
+    Callbacks own() const {
+        Callbacks all = callbacks;
+        if (ranks()) all.cancelled = nullptr;
+        return all;
     }
     /// Whether to continue with stages that an interrupted run skips. @throws Interrupted
     bool goesOn() {
@@ -136,6 +162,14 @@ struct Run {
     }
 };
 
+/// What makes voids for a run. @param callbacks  must outlive it.
+template <int Dim>
+VoidSetting<Dim> voidSetting(const Run<Dim>& run, const Callbacks& callbacks) {
+    return {run.voids.recipe,        run.domain(), run.built.sliceHeight, run.settings.seed,
+            run.voids.largestRadius, callbacks,    run.ranks(),           run.voids.bvtv,
+            run.voids.shell};
+}
+
 /// Refuses before the work what would fail after it.
 /// @param inputs  files that no output may replace.
 /// @throws ParameterError, IoError
@@ -152,6 +186,7 @@ void requireRepeating(const DomainSource& source, const VoidRecipe& voids);
 /// @param hasPack  whether spheres are read from a file, with columns of its own.
 /// @throws as `labelGridOf`
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
+
              const VoidRecipe& voids, Report& report, const Callbacks& callbacks,
              bool hasPack = false);
 
@@ -178,12 +213,15 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
 template <int Dim>
 void densifyStage(Run<Dim>& run, DensifyOptions options);
 
+/// What a run leaves of its domain.
+SolidTest solidOf(const Run<3>& run);
+
 /// Makes the voids before there are spheres, and what they leave the domain of the spheres.
 /// @param detail, reach  radii that its field is made for, mm.
 /// @throws InputError if they leave nothing
 void solidStage(Run<3>& run, double detail, double reach);
 
-/// @param made  whether the voids (`run.voids`) were made already.
+/// @param made  whether the voids were made already.
 template <int Dim>
 void cutStage(Run<Dim>& run, bool made = false);
 
