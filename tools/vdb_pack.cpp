@@ -11,10 +11,6 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_convert.h"
-#include "vdbpack/run/run_image.h"
-#include "vdbpack/run/run_mesh.h"
-#include "vdbpack/run/run_view.h"
 #include "vdbpack/run/study.h"
 
 #include <fmt/format.h>

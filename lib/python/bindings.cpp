@@ -11,10 +11,6 @@
 #include "vdbpack/options/command_line.h"
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_convert.h"
-#include "vdbpack/run/run_image.h"
-#include "vdbpack/run/run_mesh.h"
-#include "vdbpack/run/run_view.h"
 #include "vdbpack/verify/pack_hash.h"
 
 #include <nlohmann/json.hpp>

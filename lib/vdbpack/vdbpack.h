@@ -61,8 +61,6 @@
 #include "vdbpack/report/report_page.h"
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_convert.h"
-#include "vdbpack/run/run_mesh.h"
 #include "vdbpack/run/study.h"
 #include "vdbpack/verify/verify.h"
 #include "vdbpack/voids/cull.h"

@@ -4,7 +4,6 @@
 
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_convert.h"
 
 #include <catch2/catch.hpp>
 

@@ -12,7 +12,6 @@
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_convert.h"
 #include "vdbpack/verify/verify.h"
 
 #include <nlohmann/json.hpp>

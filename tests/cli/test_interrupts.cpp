@@ -11,7 +11,6 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/study.h"
 #include "vdbpack/verify/verify.h"
 

@@ -5,7 +5,6 @@
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/study.h"
 
 #include <catch2/catch.hpp>

@@ -6,7 +6,6 @@
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_mesh.h"
 #include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/void_list.h"
 

@@ -138,26 +138,11 @@ struct MeasureRecipe : InputPack {
 /// required; `radius` and `reportFile` are not used.
 struct ConvertRecipe : InputPack {};
 
-struct ConvertResult {
-    std::string kind;         ///< "spheres", "circles", "level set" or "mesh"
-    std::uint64_t count = 0;  ///< spheres, circles or triangles; of a level set 0
-    std::uint64_t hash = 0;   ///< of a pack, in mm
-    std::vector<std::string> files, warnings;
-};
-
 /// `pack` is shown, and with `domain.source` the wall of that domain. `reportFile` is the page
 /// (empty: NAME.view.html in the current folder, with the name of the pack's file);
 /// `preview.cut`, `preview.color` and `preview.column` are how the view begins. `outputs`,
 /// `preview.file` and `radius` are not used.
 struct ViewRecipe : InputPack {};
-
-struct ViewResult {
-    std::string kind;         ///< "spheres" or "circles"
-    std::uint64_t count = 0;  ///< of the pack
-    std::string file;         ///< the page
-    std::uint64_t bytes = 0;  ///< of it
-    std::vector<std::string> warnings;
-};
 
 /// Outputs are .stl, in mm.
 struct MeshRecipe : RunSettings {

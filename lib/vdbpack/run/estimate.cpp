@@ -3,7 +3,6 @@
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/formats/outputs.h"
-#include "vdbpack/run/size_stage.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/shell_field.h"

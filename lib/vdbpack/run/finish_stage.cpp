@@ -1,5 +1,6 @@
 // The last stage of a run: outputs, picture, recipe file.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/distributed/rank_outputs.h"
 #include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/output_target.h"

@@ -1,16 +1,12 @@
 #include "vdbpack/run/parts.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/domain_image.h"
-#include "vdbpack/image/image_file.h"
+#include "vdbpack/domain/label_domains.h"
 #include "vdbpack/report/page_frame.h"
 
 #include <fmt/format.h>
 
-#include <map>
-#include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 
 namespace vdbpack {
@@ -19,12 +15,6 @@ namespace {
 
 bool isLabelMap(const DomainRecipe& domain) {
     return isImage(domain) && !domain.threshold;
-}
-
-/// What recipes that read the same image in the same way have in common.
-auto imageKey(const DomainRecipe& domain) {
-    return std::make_tuple(domain.source, domain.image, domain.voxelSpacing.value_or(Vec<3>{}).c,
-                           domain.unit, domain.scale, domain.space);
 }
 
 /// Refuses what is done for one domain alone. @throws ParameterError
@@ -71,82 +61,6 @@ std::vector<PackRecipe> labelRecipes(const PackRecipe& recipe,
     return recipes;
 }
 
-/// An image that parts are labels of, and their surfaces.
-class LabelledImage {
-public:
-    LabelledImage(const DomainRecipe& domain, const Callbacks& callbacks)
-        : image_(readDomainImage(domain, callbacks)),
-          labels_(labelsOf(image_)),
-          path_(domain.source) {
-        if (!labels_)
-            throw ParameterError(path_ +
-                                 ": is no label map, but has many different values; set "
-                                 "`threshold` to the lowest value of bone");
-    }
-    std::vector<LabelPart> parse(const std::string& text) const {
-        return parseLabels(text, *labels_, path_);
-    }
-    /// Adds a part and returns its number. @throws ParameterError if a label is in two parts
-    std::size_t add(const LabelPart& part, const Callbacks& callbacks) {
-        for (const LabelCount& label : part.labels)
-            if (!used_.insert({label.layer, label.value}).second)
-                throw ParameterError(
-                    fmt::format("{}: label {} is in two parts", path_, label.value));
-        warnOfBorder(part, image_.grid, path_, callbacks);
-        parts_.push_back(part);
-        return parts_.size() - 1;
-    }
-    /// The surfaces of all parts, those of a layer together.
-    void makeSurfaces() {
-        surfaces_.resize(parts_.size());
-        std::map<std::size_t, std::vector<std::size_t>> layers;
-        for (std::size_t p = 0; p < parts_.size(); ++p)
-            layers[parts_[p].labels.front().layer].push_back(p);
-        for (const auto& [layer, members] : layers) {
-            std::vector<LabelPart> some;
-            for (const std::size_t p : members) some.push_back(parts_[p]);
-            auto meshes = labelSurfaces(image_, *labels_, some);
-            for (std::size_t k = 0; k < members.size(); ++k)
-                surfaces_[members[k]] = std::move(meshes[k]);
-        }
-        image_.bytes.reset();
-    }
-    /// The domain of a part, once.
-    DomainSource source(const DomainRecipe& domain, std::size_t part, const Callbacks& callbacks) {
-        DomainSource made(domain, std::move(surfaces_[part]), callbacks);
-        made.setImageGrid(image_.grid, image_.isSpaced);
-        return made;
-    }
-    std::size_t layerOf(std::size_t part) const { return parts_[part].labels.front().layer; }
-
-private:
-    Image image_;
-    std::optional<std::vector<LabelCount>> labels_;
-    std::string path_;
-    std::vector<LabelPart> parts_;
-    std::set<std::pair<std::size_t, std::int64_t>> used_;
-    std::vector<TriangleMesh> surfaces_;
-};
-
-/// The images of some domains, each read once.
-class LabelledImages {
-public:
-    explicit LabelledImages(const Callbacks& callbacks) : callbacks_(callbacks) {}
-
-    LabelledImage& of(const DomainRecipe& domain) {
-        const auto known = images_.find(imageKey(domain));
-        if (known != images_.end()) return known->second;
-        return images_.emplace(imageKey(domain), LabelledImage(domain, callbacks_)).first->second;
-    }
-    void makeSurfaces() {
-        for (auto& [key, image] : images_) image.makeSurfaces();
-    }
-
-private:
-    const Callbacks& callbacks_;
-    std::map<decltype(imageKey(DomainRecipe())), LabelledImage> images_;
-};
-
 /// The recipes of the parts: as given, or one a label; none if there is one domain.
 std::vector<PackRecipe> recipesOf(const PackRecipe& recipe, LabelledImages& images) {
     if (!recipe.parts.empty()) return recipe.parts;
@@ -170,16 +84,6 @@ void settle(std::vector<PackRecipe>& recipes, std::size_t k) {
     recipe.preview = {};
     recipe.outputs.clear();
 }
-
-/// Where the surface of a part is among the labels of an image.
-struct LabelPlace {
-    LabelledImage* image = nullptr;  ///< null: the part is no label
-    std::size_t part = 0;
-
-    bool sharesLayerWith(const LabelPlace& other) const {
-        return image && image == other.image && image->layerOf(part) == image->layerOf(other.part);
-    }
-};
 
 LabelPlace placeOf(const PackRecipe& recipe, LabelledImages& images, const Callbacks& callbacks) {
     if (!isLabelMap(recipe.domain)) return {};

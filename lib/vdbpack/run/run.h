@@ -1,55 +1,13 @@
 // Whole runs: a recipe in, a result out.
 #pragma once
 
-#include "vdbpack/core/ellipsoid.h"
-#include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
-#include "vdbpack/measure/morphometry/morphometry.h"
-#include "vdbpack/measure/structure.h"
-#include "vdbpack/report/page_frame.h"
-#include "vdbpack/report/report.h"
-#include "vdbpack/run/recipe.h"
-#include "vdbpack/verify/verify.h"
-
-#include <nlohmann/json_fwd.hpp>
-
-#include <cstdint>
-#include <memory>
-#include <optional>
-#include <string>
-#include <variant>
-#include <vector>
+#include "vdbpack/options/recipes.h"
+#include "vdbpack/report/image_result.h"
+#include "vdbpack/report/mesh_result.h"
+#include "vdbpack/report/run_result.h"
 
 namespace vdbpack {
-
-class VdbGrid;
-
-/// What a search for vacancies at sample points found.
-struct VacancySearch {
-    double largest = 0;         ///< largest clearance of a sample point to wall and spheres, mm
-    double radius = 0;          ///< 1.02 mean radii, mm
-    std::uint64_t count = 0;    ///< sample points with a clearance of `radius` or more
-    std::uint64_t samples = 0;  ///< requested points, distributed over the domain
-};
-
-struct RunResult {
-    Report report;
-    PagePicture picture;  ///< as requested, or of the report page; the view of the page
-    std::optional<VacancySearch> vacancies;  ///< if requested
-    std::variant<Pack<3>, Pack<2>> pack;
-    std::variant<std::vector<Ellipsoid<3>>, std::vector<Ellipsoid<2>>> voids;
-    /// Of runs in space with voids: `surface`, `voids` and `solid`.
-    std::vector<std::shared_ptr<const VdbGrid>> levelSets;
-    bool passed = false;  ///< no check failed (`failedChecks`)
-};
-
-/// The report as JSON; where a check failed, the spheres at fault under `worst`
-/// of the check.
-nlohmann::ordered_json toJson(const RunResult& run);
-/// For people: the summary of the report, and the vacancies; ends with a newline.
-std::string summary(const RunResult& run);
-/// For people: each check that failed, and the spheres at fault, a line each; empty if all passed.
-std::string failures(const RunResult& run);
 
 /// Domain, pack, measure, check, write: the whole of `vdb_pack pack`.
 ///
@@ -78,24 +36,6 @@ RunResult runDensify(const DensifyRecipe& recipe, const Callbacks& callbacks = {
 /// The whole of `vdb_pack voids`. @throws as `runPack`.
 RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks = {});
 
-/// The spheres of a pack as one solid.
-struct SphereMorphometry {
-    double dilation = 0;              ///< mm added to the radii
-    double dilationOfMeanRadius = 0;  ///< the same in mean radii
-    Morphometry morphometry;
-};
-
-struct MeasureResult {
-    RunResult run;                             ///< of a level set: its report has no spheres
-    Structure structure;                       ///< of a pack
-    std::optional<Morphometry> morphometry;    ///< of a level set
-    std::optional<SphereMorphometry> spheres;  ///< of a pack, if requested
-};
-
-nlohmann::ordered_json toJson(const MeasureResult& result);
-/// For people; ends with a newline.
-std::string summary(const MeasureResult& result);
-
 /// All figures of any pack, or of a solid as a level set (.vdb) or mesh (.stl .obj .off
 /// .ply): the whole of `vdb_pack measure`. Overlaps and spheres outside are reported, and no
 /// failure.
@@ -110,5 +50,24 @@ std::string summary(const MeasureResult& result);
 /// is measured along its own axes.
 /// @throws ParameterError, InputError, IoError, ResourceError
 MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks = {});
+
+/// The whole of `vdb_pack convert`. Packs are neither judged nor changed; solids (a level set, a
+/// mesh) become level sets, fog or surfaces, and a mesh as .stl stays the mesh that it is.
+/// @throws ParameterError (no output, an output that is an input or that there is nothing for),
+/// InputError, IoError, ResourceError
+ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks = {});
+
+/// The whole of `vdb_pack view` but for opening the page. The pack is neither judged nor measured.
+/// @throws ParameterError, InputError, IoError, ResourceError
+ViewResult runView(const ViewRecipe& recipe, const Callbacks& callbacks = {});
+
+/// Checks a mesh, decides whether it can be packed, repairs it if `domain.repair` is set, and
+/// writes it.
+/// @throws ParameterError (an output that is no .stl, or the input itself), InputError, IoError,
+/// ResourceError
+MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks = {});
+
+/// Reads an image and relates its labels. @throws as `readImage`
+ImageResult runImage(const ImageRecipe& recipe, const Callbacks& callbacks = {});
 
 }  // namespace vdbpack

@@ -1,5 +1,3 @@
-#include "vdbpack/run/run_convert.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/grey_values.h"
@@ -10,9 +8,9 @@
 #include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/run/input_pack.h"
+#include "vdbpack/run/run.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <optional>
@@ -190,25 +188,6 @@ ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks
     });
     result.warnings = std::move(warnings);
     return result;
-}
-
-nlohmann::ordered_json toJson(const ConvertResult& result) {
-    nlohmann::ordered_json json{{"version", VDBPACK_VERSION}, {"kind", result.kind}};
-    if (result.count > 0) json["count"] = result.count;
-    if (result.hash != 0) json["hash"] = hashText(result.hash);
-    json["files"] = result.files;
-    json["warnings"] = result.warnings;
-    return json;
-}
-
-std::string summary(const ConvertResult& result) {
-    std::string text = result.kind == "level set" ? "read       a level set\n"
-                       : result.kind == "mesh"
-                           ? fmt::format("read       a mesh of {} triangles\n", result.count)
-                           : fmt::format("read       {} {}, hash {}\n", result.count, result.kind,
-                                         hashText(result.hash));
-    for (const std::string& file : result.files) text += fmt::format("written    {}\n", file);
-    return text;
 }
 
 }  // namespace vdbpack

@@ -106,24 +106,6 @@ PackedParts packInTurn(SharedRadii& radii, Parts& parts, const Report& begun, co
     return packed;
 }
 
-/// Adds a pack of a part to those before it, and its number to the first column. Depths are taken
-/// over, contacts are not.
-void append(Pack<3>& all, Pack<3> part, std::int32_t number) {
-    const std::size_t before = all.spheres.size(), count = part.spheres.size();
-    const auto add = [&](auto& values, auto& more) {
-        if (more.empty() && values.empty()) return;
-        values.resize(before);
-        more.resize(count);
-        values.insert(values.end(), more.begin(), more.end());
-    };
-    add(all.region, part.region);
-    add(all.depth, part.depth);
-    for (std::int64_t& order : part.order) order += static_cast<std::int64_t>(before);
-    add(all.order, part.order);
-    all.columns.front().numbers.insert(all.columns.front().numbers.end(), count, number);
-    all.spheres.insert(all.spheres.end(), part.spheres.begin(), part.spheres.end());
-}
-
 /// Puts the figures of all parts together in one report.
 class JoinedReport {
 public:
@@ -226,7 +208,6 @@ void addLevelSets(const Run<3>& part, const std::string& name, JoinedParts& all)
 /// Joins the packs, their reports and what they leave of their domains.
 void joinParts(const Parts& parts, PackedParts& packed, std::size_t warnings, Run<3>& all) {
     JoinedReport joined(all.report, warnings);
-    all.pack.columns.push_back({kPartColumn, {}, {}});
     double step = std::numeric_limits<double>::infinity();  // 0: any position
     for (std::size_t k = 0; k < parts.size(); ++k) {
         if (!packed.runs[k]) continue;
@@ -238,7 +219,7 @@ void joinParts(const Parts& parts, PackedParts& packed, std::size_t warnings, Ru
         if (source.isCut() && left < 0.99 * own)
             all.report.chosen.push_back(fmt::format(
                 "{}: {:.3g} % of its volume left to later parts", name, 100 * (1 - left / own)));
-        append(all.pack, std::move(run.pack), static_cast<std::int32_t>(k));
+        appendPart(all.pack, std::move(run.pack), static_cast<std::int32_t>(k));
         step = std::min(step, run.facts.positionStep);
         addLevelSets(run, name, all.parts);
         if (const auto& mesh = source.mesh()) append(all.parts.walls, *mesh);

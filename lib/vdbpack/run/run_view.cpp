@@ -1,5 +1,3 @@
-#include "vdbpack/run/run_view.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
@@ -8,10 +6,10 @@
 #include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/run.h"
 #include "vdbpack/view/pack_view.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -128,17 +126,6 @@ ViewResult runView(const ViewRecipe& asked, const Callbacks& callbacks) {
     });
     result.warnings = std::move(warnings);
     return result;
-}
-
-nlohmann::ordered_json toJson(const ViewResult& result) {
-    return {{"version", VDBPACK_VERSION}, {"kind", result.kind},   {"count", result.count},
-            {"file", result.file},        {"bytes", result.bytes}, {"warnings", result.warnings}};
-}
-
-std::string summary(const ViewResult& result) {
-    return fmt::format("{:<11}{} {}\n{:<11}{} ({:.3g} MB)\n", "read", grouped(result.count),
-                       result.kind, "written", result.file,
-                       static_cast<double>(result.bytes) / 1e6);
 }
 
 }  // namespace vdbpack

@@ -1,25 +1,23 @@
 #include "vdbpack/run/stages.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/distributed/rank_measures.h"
 #include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/preview/result_picture.h"
+#include "vdbpack/report/densified_pack.h"
 #include "vdbpack/report/measured_pack.h"
-#include "vdbpack/run/densify_stage.h"
-#include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/rank_stages.h"
+#include "vdbpack/voids/bvtv_field.h"
 #include "vdbpack/voids/shell_field.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <tbb/info.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <utility>
 
@@ -93,55 +91,6 @@ Report begunReport(const RunSettings& settings, const char* task, const std::str
         settings.command.empty() ? std::string(task) + " " + subject : settings.command;
     report.threads = effectiveThreads(settings.threads);
     return report;
-}
-
-int effectiveThreads(int threads) {
-    return threads > 0 ? threads : tbb::info::default_concurrency();
-}
-
-std::uint64_t peakMemory() {
-    // What getrusage tells goes back to before the program was started, by one that may hold more.
-    std::ifstream status("/proc/self/status");
-    for (std::string word; status >> word;)
-        if (std::uint64_t kibibytes = 0; word == "VmHWM:" && status >> kibibytes)
-            return kibibytes * 1024;
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
-void requireShell(double shell, const DomainSource& source) {
-    if (!(shell > 0) || !source.isFile()) return;  // a shape has no field to be made
-    const Vec<3> size = source.fileBounds().size();
-    const double thin = *std::min_element(size.c.begin(), size.c.begin() + source.dim());
-    if (2 * shell < thin) return;
-    throw InputError(fmt::format(
-        "`shell` {} mm: no part of the domain lies deeper, it is at most {:.4g} mm thick; give a "
-        "thinner shell, or check the unit of the domain",
-        shell, thin));
-}
-
-void requireRepeating(const DomainSource& source, const VoidRecipe& voids) {
-    if (!source.isPeriodic()) return;
-    const std::string& name = source.recipe().source;
-    if (voids.hasShell())
-        throw ParameterError(
-            name +
-            ": a shell lies along a wall, which a periodic cell has not on all sides; leave "
-            "`shell` out");
-    if (voids.as<FrontHoles>())
-        throw ParameterError(fmt::format(
-            "{}: `voids` {} are not available in a periodic cell; use boolean, overlay, "
-            "foam, grid or list:FILE",
-            name, nameOf(voids)));
-    if (voids.fill == Fill::solid)
-        throw ParameterError(name +
-                             ": `fill` solid is not available in a periodic cell; leave it out");
-    if (const BvtvField* field = bvtvFieldOf(voids))
-        throw ParameterError(
-            fmt::format("{}: BV/TV by place (`bvtvField` {}) does not repeat with a periodic cell; "
-                        "leave it out",
-                        name, field->file));
 }
 
 template <int Dim>

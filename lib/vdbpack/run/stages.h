@@ -12,16 +12,17 @@
 //   writeReport     report_file.h
 #pragma once
 
+#include "vdbpack/core/clock.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain_source.h"
 #include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/row_spans.h"
 #include "vdbpack/pack/local_sizes.h"
-#include "vdbpack/run/clock.h"
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/make_voids.h"
+#include "vdbpack/voids/void_checks.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -176,10 +177,6 @@ VoidSetting<Dim> voidSetting(const Run<Dim>& run, const Callbacks& callbacks) {
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
                    const std::vector<std::string>& inputs);
 
-/// Refuses voids that a periodic cell cannot have, and a shell, since there is no wall around it.
-/// @throws ParameterError
-void requireRepeating(const DomainSource& source, const VoidRecipe& voids);
-
 /// Checks what is to be written against the domains of a run, and records their axes in its report.
 /// @param sources  one, or the sources of several parts.
 /// @param voids    that are cut; only what they leave of a periodic cell has a surface.
@@ -192,15 +189,6 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
 
 /// The head of a report. @param subject  what the run works on.
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject);
-
-/// The number of threads for the setting `threads`; 0: all cores.
-int effectiveThreads(int threads);
-
-/// Peak memory of the process, bytes.
-std::uint64_t peakMemory();
-
-/// Refuses a shell that is as thick as the domain before a field is made for it. @throws InputError
-void requireShell(double shell, const DomainSource& source);
 
 /// Builds the field for radii from `detail` to `reach` (mm), if memory and disks suffice for
 /// `extent`, and checks that voids and picture suit the domain.

@@ -1,4 +1,4 @@
-#include "vdbpack/run/image_domain.h"
+#include "vdbpack/voids/bvtv_field.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/domain_image.h"
@@ -13,22 +13,6 @@
 #include <utility>
 
 namespace vdbpack {
-
-void requireVoidFields(const VoidRecipe& voids) {
-    if (!voids.shellField.empty()) {
-        if (!namesScalarField(voids.shellField))
-            throw ParameterError("`shellField`: " + voids.shellField +
-                                 " is no field by its name; give a .vdb or a .csv");
-        requireThere(voids.shellField);
-    }
-    const BvtvField* const field = bvtvFieldOf(voids);
-    if (!field) return;
-    if (!namesScalarField(field->file) && !namesImage(field->file))
-        throw ParameterError("`bvtvField`: " + field->file +
-                             " is no field by its name; give an image (.nii, .nii.gz, .nrrd, .mha "
-                             "or a folder of DICOM), a .vdb or a .csv");
-    requireThere(field->file);
-}
 
 namespace {
 

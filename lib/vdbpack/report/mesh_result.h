@@ -1,11 +1,9 @@
-// `vdb_pack mesh`: the health of a mesh, and its repair.
+// What `mesh` returns: the health of a mesh, and its repair.
 #pragma once
 
-#include "vdbpack/core/progress.h"
-#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/domain/mesh_fitness.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/options/recipes.h"
+#include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/repair/mesh_repair.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -25,12 +23,6 @@ struct MeshResult {
     std::string source;  ///< its file
     std::vector<std::string> files;
 };
-
-/// Checks a mesh, decides whether it can be packed, repairs it if `domain.repair` is set, and
-/// writes it.
-/// @throws ParameterError (an output that is no .stl, or the input itself), InputError, IoError,
-/// ResourceError
-MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks = {});
 
 /// The members of the health, `fit` and `reasons`; `repair` and `files` where there are any;
 /// without a repair `withRepair`, what it would do, null if it is not needed.

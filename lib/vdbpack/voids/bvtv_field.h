@@ -1,4 +1,4 @@
-// Private to runs: fields of voids from images and tables.
+// BV/TV by place, from images and tables.
 #pragma once
 
 #include "vdbpack/core/box.h"
@@ -9,10 +9,6 @@
 #include <functional>
 
 namespace vdbpack {
-
-/// Refuses, before the work, fields of voids whose files are of no known type or are not there.
-/// @throws ParameterError, IoError
-void requireVoidFields(const VoidRecipe& voids);
 
 /// BV/TV by place as a recipe of voids says; empty: the same everywhere.
 /// @param domain  whose world an image lies in; in the plane at `sliceHeight`, mm.

@@ -1,4 +1,4 @@
-#include "vdbpack/run/size_stage.h"
+#include "vdbpack/voids/factor_field.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/domain_image.h"
@@ -66,68 +66,48 @@ private:
 
 }  // namespace
 
-void checkLocalSizes(const PackRecipe& recipe) {
-    if (!recipe.shellRadius.empty()) {
-        if (!recipe.voids.hasShell())
-            throw ParameterError(
-                "`shellRadius` " + recipe.shellRadius.spec() +
-                ": there is no shell; set its thickness by `shell`, such as 3, or `shellField`");
-        if (recipe.voids.fill == Fill::solid)
-            throw ParameterError(
-                "`fill` solid and `shellRadius` cannot be combined; leave one out");
-    }
-    if ((!recipe.shellRadius.empty() || !recipe.sizeField.empty()) && recipe.voids.as<FrontHoles>())
-        throw ParameterError(
-            "`voids` " + nameOf(recipe.voids) +
-            " cannot be combined with sizes by place; use voids that are cut afterwards, such as "
-            "boolean");
-    if (recipe.sizeField.empty()) return;
-    if (!namesScalarField(recipe.sizeField) && !namesImage(recipe.sizeField))
-        throw ParameterError("`sizeField`: " + recipe.sizeField +
+void checkFactorField(const std::string& file) {
+    if (file.empty()) return;
+    if (!namesScalarField(file) && !namesImage(file))
+        throw ParameterError("`sizeField`: " + file +
                              " is no field by its name; give a .vdb, a .csv or an image (.nii, "
                              ".nii.gz, .nrrd, .mha or a folder of DICOM)");
-    if (namesScalarField(recipe.sizeField) && !std::ifstream(recipe.sizeField))
-        throw IoError("`sizeField`: " + recipe.sizeField + ": cannot be opened for reading");
+    if (namesScalarField(file) && !std::ifstream(file))
+        throw IoError("`sizeField`: " + file + ": cannot be opened for reading");
 }
 
-std::shared_ptr<const ScalarField> readFactors(const PackRecipe& recipe) {
-    if (recipe.sizeField.empty()) return nullptr;
+std::shared_ptr<const ScalarField> readFactors(const std::string& file,
+                                               const DomainRecipe& domain) {
+    if (file.empty()) return nullptr;
     std::shared_ptr<const ScalarField> field;
-    if (namesScalarField(recipe.sizeField))
-        field = readScalarField(recipe.sizeField, meaningOf());
+    if (namesScalarField(file))
+        field = readScalarField(file, meaningOf());
     else
-        field = std::make_shared<ImageNumbers>(readGreyImage(recipe.sizeField, recipe.domain, {}),
-                                               recipe.sizeField);
+        field = std::make_shared<ImageNumbers>(readGreyImage(file, domain, {}), file);
     if (field->most() > kMostFactors * field->least())
         throw InputError(fmt::format(
             "`sizeField` {}: its factors on radii span {:g} to {:g}, a ratio of {:.3g}; the limit "
             "is {:g}: raise the smallest or lower the largest",
-            recipe.sizeField, field->least(), field->most(), field->most() / field->least(),
-            kMostFactors));
+            file, field->least(), field->most(), field->most() / field->least(), kMostFactors));
     return field;
 }
 
 template <int Dim>
-LocalSizes localSizes(const PackRecipe& recipe, const RequestedSizes& requested,
-                      const Domain<Dim>& domain, double sliceHeight, const ShellThickness& shell) {
-    LocalSizes sizes;
-    sizes.shell = shell;
-    sizes.shellSizes = requested.shellSizes;
-    if (!requested.factor) return sizes;
-    const Box<Dim> bounds = domain.bounds();
-    const auto at = valuesOver<Dim>(requested.factor, "`sizeField` " + recipe.sizeField,
-                                    meaningOf(), bounds, sliceHeight);
+std::shared_ptr<const SizeField> factorsOver(const std::shared_ptr<const ScalarField>& factors,
+                                             const std::string& file, const Box<Dim>& bounds,
+                                             double sliceHeight) {
+    const auto at =
+        valuesOver<Dim>(factors, "`sizeField` " + file, meaningOf(), bounds, sliceHeight);
     Box<3> box{{{0, 0, sliceHeight}}, {{0, 0, sliceHeight}}};
     for (int d = 0; d < Dim; ++d) {
         box.lo[d] = bounds.lo[d];
         box.hi[d] = bounds.hi[d];
     }
-    const auto [node, step] = requested.factor->lattice();
+    const auto [node, step] = factors->lattice();
     // A lookup in a table takes a hundred times as long as one in a grid.
-    const bool table =
-        namesScalarField(recipe.sizeField) && extensionOf(recipe.sizeField) != ".vdb";
+    const bool table = namesScalarField(file) && extensionOf(file) != ".vdb";
     const double mostNodes = table ? 2e6 : 3.2e7;
-    sizes.factor = std::make_shared<SizeField>(
+    return std::make_shared<const SizeField>(
         box, node, step,
         [&](const Vec<3>& x) {
             Vec<Dim> here;
@@ -135,12 +115,11 @@ LocalSizes localSizes(const PackRecipe& recipe, const RequestedSizes& requested,
             return at(here);
         },
         mostNodes);
-    return sizes;
 }
 
-template LocalSizes localSizes(const PackRecipe&, const RequestedSizes&, const Domain<2>&, double,
-                               const ShellThickness&);
-template LocalSizes localSizes(const PackRecipe&, const RequestedSizes&, const Domain<3>&, double,
-                               const ShellThickness&);
+template std::shared_ptr<const SizeField> factorsOver(const std::shared_ptr<const ScalarField>&,
+                                                      const std::string&, const Box<2>&, double);
+template std::shared_ptr<const SizeField> factorsOver(const std::shared_ptr<const ScalarField>&,
+                                                      const std::string&, const Box<3>&, double);
 
 }  // namespace vdbpack

@@ -1,12 +1,10 @@
-// `vdb_pack image`: what a label map or CT has in it.
+// What `image` returns: the content of a label map or a CT.
 #pragma once
 
-#include "vdbpack/core/progress.h"
-#include "vdbpack/domain/domain_source.h"
+#include "vdbpack/domain/domain_recipe.h"
 #include "vdbpack/image/image_grid.h"
 #include "vdbpack/image/image_surface.h"
 #include "vdbpack/image/label_relations.h"
-#include "vdbpack/options/recipes.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -26,9 +24,6 @@ struct ImageResult {
     LabelRelations relations;                       ///< of the labels
     std::vector<std::string> warnings;
 };
-
-/// Reads an image and relates its labels. @throws as `readImage`
-ImageResult runImage(const ImageRecipe& recipe, const Callbacks& callbacks = {});
 
 /// Lengths in mm: `format`, `type`, `size`, `spacing`, `orientation`, `space`, `origin`,
 /// `directions` (one axis a row), `range`, `labels` (null for grey images), `contacts`.

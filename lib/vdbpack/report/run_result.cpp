@@ -1,0 +1,140 @@
+#include "vdbpack/report/run_result.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <variant>
+
+namespace vdbpack {
+
+nlohmann::ordered_json toJson(const RunResult& run) {
+    const Report& report = run.report;
+    nlohmann::ordered_json json = toJson(report);
+    if (run.vacancies)
+        json["places"] = {{"largest", run.vacancies->largest},
+                          {"radius", run.vacancies->radius},
+                          {"count", run.vacancies->count},
+                          {"samples", run.vacancies->samples}};
+    const FailedChecks failed = failedChecks(report);
+    std::visit(
+        [&](const auto& pack) {
+            if (failed.overlap) json["overlap"]["worst"] = worstJson(*report.overlap, pack);
+            if (failed.protrusion)
+                json["protrusion"]["worst"] = worstJson(*report.protrusion, pack);
+        },
+        run.pack);
+    return json;
+}
+
+std::string summary(const RunResult& run) {
+    std::string text = summary(run.report);
+    if (run.vacancies)
+        text += fmt::format(
+            "vacancies  {} of {} points have room for {:.5g} mm (1.02 mean radii); largest {:.5g} "
+            "mm\n",
+            run.vacancies->count, run.vacancies->samples, run.vacancies->radius,
+            run.vacancies->largest);
+    return text;
+}
+
+std::string failures(const RunResult& run) {
+    const Report& report = run.report;
+    const FailedChecks failed = failedChecks(report);
+    std::string text;
+    std::visit(
+        [&](const auto& pack) {
+            if (failed.overlap) text += describe(*report.overlap, pack);
+            if (failed.protrusion) text += describe(*report.protrusion, pack);
+        },
+        run.pack);
+    if (failed.gap)
+        text += fmt::format("{:<12}FAILED: smallest {:.6g} mm, requested {:.6g} mm\n", "gap",
+                            *report.smallestGap, report.requestedGap);
+    return text;
+}
+
+nlohmann::ordered_json toJson(const MeasureResult& result) {
+    if (!result.morphometry) {
+        auto json = toJson(result.run);
+        addTo(json, result.structure);
+        if (result.spheres) {
+            auto solid = toJson(result.spheres->morphometry);
+            solid["of"] = "spheres";
+            solid["dilation"] = result.spheres->dilation;
+            solid["dilationOfMeanRadius"] = result.spheres->dilationOfMeanRadius;
+            json["morphometry"] = std::move(solid);
+        }
+        return json;
+    }
+    const Report& report = result.run.report;
+    return {{"version", report.version},
+            {"command", report.command},
+            {"threads", report.threads},
+            {"domain",
+             {{"kind", report.domain.kind.empty() ? nlohmann::ordered_json()
+                                                  : nlohmann::ordered_json(report.domain.kind)}}},
+            {"morphometry", toJson(*result.morphometry)},
+            {"seconds",
+             {{"mesh", report.seconds.mesh},
+              {"domain", report.seconds.domain},
+              {"measure", report.seconds.measure},
+              {"total", report.seconds.total}}},
+            {"peakMemoryBytes", report.peakMemoryBytes}};
+}
+
+std::string summary(const MeasureResult& result) {
+    const Report& report = result.run.report;
+    if (!result.morphometry) {
+        std::string text = summary(report) + summary(result.structure);
+        if (!result.spheres) return text;
+        return text +
+               fmt::format(
+                   "union of the spheres as a solid, radii increased by {:.4g} mm ({:.3g} of "
+                   "the mean):\n",
+                   result.spheres->dilation, result.spheres->dilationOfMeanRadius) +
+               summary(result.spheres->morphometry);
+    }
+    return (report.domain.kind.empty()
+                ? fmt::format("{:<11}none: TV is the bounding box of the solid, or the image\n",
+                              "domain")
+                : fmt::format("{:<11}{}\n", "domain", report.domain.kind)) +
+           summary(*result.morphometry) +
+           fmt::format(
+               "{:<11}read {:.2f}, domain {:.2f}, measure {:.2f}, total {:.2f} on {} "
+               "threads\n{:<11}{:.0f} MiB at most\n",
+               "seconds", report.seconds.mesh, report.seconds.domain, report.seconds.measure,
+               report.seconds.total, report.threads, "memory",
+               static_cast<double>(report.peakMemoryBytes) / (1 << 20));
+}
+
+nlohmann::ordered_json toJson(const ConvertResult& result) {
+    nlohmann::ordered_json json{{"version", VDBPACK_VERSION}, {"kind", result.kind}};
+    if (result.count > 0) json["count"] = result.count;
+    if (result.hash != 0) json["hash"] = hashText(result.hash);
+    json["files"] = result.files;
+    json["warnings"] = result.warnings;
+    return json;
+}
+
+std::string summary(const ConvertResult& result) {
+    std::string text = result.kind == "level set" ? "read       a level set\n"
+                       : result.kind == "mesh"
+                           ? fmt::format("read       a mesh of {} triangles\n", result.count)
+                           : fmt::format("read       {} {}, hash {}\n", result.count, result.kind,
+                                         hashText(result.hash));
+    for (const std::string& file : result.files) text += fmt::format("written    {}\n", file);
+    return text;
+}
+
+nlohmann::ordered_json toJson(const ViewResult& result) {
+    return {{"version", VDBPACK_VERSION}, {"kind", result.kind},   {"count", result.count},
+            {"file", result.file},        {"bytes", result.bytes}, {"warnings", result.warnings}};
+}
+
+std::string summary(const ViewResult& result) {
+    return fmt::format("{:<11}{} {}\n{:<11}{} ({:.3g} MB)\n", "read", grouped(result.count),
+                       result.kind, "written", result.file,
+                       static_cast<double>(result.bytes) / 1e6);
+}
+
+}  // namespace vdbpack
