@@ -8,6 +8,7 @@
 #include "vdbpack/report/report.h"
 
 #include <cstddef>
+#include <optional>
 
 namespace vdbpack {
 
@@ -19,7 +20,7 @@ RadiusHistogram radiiOf(const Pack<Dim>& pack, std::size_t existing, const SizeD
 
 /// What a page shows of a pack beside its report.
 struct PageDetails {
-    Structure structure;
+    std::optional<Structure> structure;
     RadiusHistogram radii;
 };
 

@@ -119,6 +119,30 @@ DomainRecipe domainOf(const InputPack& recipe, const Pack<3>& pack) {
     return domain;
 }
 
+std::optional<DomainSource> domainAround(const DomainRecipe& recipe, int dim,
+                                         const Callbacks& callbacks) {
+    if (recipe.source.empty()) return std::nullopt;
+    std::optional<DomainSource> source(std::in_place, recipe, callbacks);
+    if (source->dim() != dim)
+        throw ParameterError(
+            fmt::format("{}: is a domain of {} dimensions, the pack one of {}; give one that it "
+                        "lies in",
+                        recipe.source, source->dim(), dim));
+    return source;
+}
+
+DomainSource::Built buildAround(const std::optional<DomainSource>& source, int dim,
+                                const RadiusStatistics& radius, std::size_t count, double reach,
+                                const RunSettings& settings, const Callbacks& callbacks) {
+    const double detail = fieldDetail(radius.min, radius.mean);
+    Extent extent;
+    extent.dim = dim;
+    if (source) extent = extentOf(*source, detail, reach);
+    extent.count = static_cast<double>(count);
+    requireResources(extent, settings);
+    return source ? source->build(detail, reach, callbacks) : DomainSource::Built{};
+}
+
 template <int Dim>
 void warnOfOtherCell(const InputPack& recipe, const PeriodicCell<Dim>& stated,
                      const Domain<Dim>& domain, const Callbacks& callbacks) {

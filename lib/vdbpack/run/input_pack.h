@@ -33,6 +33,17 @@ void requireDomain(const InputPack& recipe);
 /// The domain of a pack: that of the recipe, or else the periodic cell that its file states.
 DomainRecipe domainOf(const InputPack& recipe, const Pack<3>& pack);
 
+/// The domain of a pack, read; nothing if `recipe` names none.
+/// @throws as DomainSource; ParameterError for one of another dimension than `dim`
+std::optional<DomainSource> domainAround(const DomainRecipe& recipe, int dim,
+                                         const Callbacks& callbacks);
+
+/// Builds the domain of a pack of so many spheres, if there is one and memory suffices.
+/// @param reach  as in DomainSource::build. @throws ResourceError, and as DomainSource::build
+DomainSource::Built buildAround(const std::optional<DomainSource>& source, int dim,
+                                const RadiusStatistics& radius, std::size_t count, double reach,
+                                const RunSettings& settings, const Callbacks& callbacks);
+
 /// Warns of a periodic cell that is not the one that the file of the pack states.
 template <int Dim>
 void warnOfOtherCell(const InputPack& recipe, const PeriodicCell<Dim>& stated,
@@ -92,15 +103,9 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
     const auto measure = [&](auto& pack, auto dim) {
         constexpr int Dim = decltype(dim)::value;
         const std::optional<SizeDistribution> sizes = recipe.sizes(Dim);
-        DomainSource::Built built;
-        Extent extent;
-        extent.dim = Dim;
         const auto radius = radiusStatistics(pack.spheres);
-        const double detail = fieldDetail(radius.min, radius.mean), reach = depthFor(radius) / 3;
-        if (source) extent = extentOf(*source, detail, reach);
-        extent.count = static_cast<double>(pack.spheres.size());
-        requireResources(extent, recipe);
-        if (source) built = source->build(detail, reach, callbacks);
+        const auto built = buildAround(source, Dim, radius, pack.spheres.size(),
+                                       depthFor(radius) / 3, recipe, callbacks);
         report.seconds.domain = clock.lap();
         const Domain<Dim>* domain = ofDim<Dim>(built).get();
         if (domain) warnOfOtherCell(recipe, pack.cell, *domain, callbacks);

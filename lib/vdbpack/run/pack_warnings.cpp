@@ -1,7 +1,6 @@
-#include "vdbpack/run/pack_warnings.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
 

@@ -21,7 +21,6 @@ namespace vdbpack {
 
 namespace {
 
-constexpr double kDefaultCount = 100000;
 /// Beyond this the field for the smallest radius would outgrow any pack of the largest.
 constexpr double kLargestSizeRatio = 200;
 

@@ -25,6 +25,9 @@ void checkRecipe(const PackRecipe& recipe);
 /// The files that voids are made from; empty names where there is none.
 std::vector<std::string> voidInputs(const VoidRecipe& recipe);
 
+/// Spheres of a pack for which nothing else is requested.
+inline constexpr double kDefaultCount = 100'000;
+
 /// The requested sizes, or the default, before any scaling.
 struct RequestedSizes {
     SizeDistribution sizes;

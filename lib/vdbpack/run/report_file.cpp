@@ -45,8 +45,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const RunSettings& r
 }
 
 /// The page of a run on `subject`, with what all commands have in common.
-template <class Recipe>
-ReportPage pageOf(const RunResult& run, const std::string& subject, const Recipe& recipe) {
+ReportPage pageOf(const RunResult& run, const std::string& subject, const RunSettings& recipe) {
     ReportPage page;
     page.subject = subject;
     page.report = run.report;
@@ -62,47 +61,26 @@ std::string reportFileOf(const RunSettings& settings, const Report& report) {
     return report.interrupted && !file.empty() ? interruptedName(file) : file;
 }
 
-void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe) {
-    const std::string file = reportFileOf(recipe, run.report);
+void writeReport(const RunResult& run, const std::string& subject, const RunSettings& settings,
+                 const PageDetails& details) {
+    const std::string file = reportFileOf(settings, run.report);
     if (file.empty()) return;
     Json figures = toJson(run);
     if (!isPage(file)) return write(file, jsonText(figures));
-    addTo(figures, details.structure);
-    ReportPage page = pageOf(run, recipe.domain.source, recipe);
-    page.structure = details.structure;
+    ReportPage page = pageOf(run, subject, settings);
+    if (details.structure) {
+        addTo(figures, *details.structure);
+        page.structure = *details.structure;
+    }
     page.radii = details.radii;
     write(file, reportPage(page, figures));
 }
 
-namespace {
-
-/// The report of a run on a pack that exists.
-template <class Recipe>
-void writeOfGiven(const RunResult& run, const Recipe& recipe) {
-    const std::string file = reportFileOf(recipe, run.report);
-    if (file.empty()) return;
-    const Json figures = toJson(run);
-    if (!isPage(file)) return write(file, jsonText(figures));
-    ReportPage page = pageOf(run, recipe.pack, recipe);
-    std::visit([&](const auto& pack) { page.radii = radiiOf(pack, 0, nullptr); }, run.pack);
-    write(file, reportPage(page, figures));
-}
-
-}  // namespace
-
-void writeReport(const RunResult& run, const CarveRecipe& recipe) {
-    writeOfGiven(run, recipe);
-}
-
-void writeReport(const RunResult& run, const DensifyRecipe& recipe) {
-    writeOfGiven(run, recipe);
-}
-
-void writeReport(const RunResult& run, const VoidsRecipe& recipe) {
-    if (recipe.reportFile.empty()) return;
-    const Json figures = toJson(run);
-    if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
-    write(recipe.reportFile, reportPage(pageOf(run, recipe.domain.source, recipe), figures));
+RunResult reported(RunResult run, const InputPack& recipe) {
+    PageDetails details;
+    std::visit([&](const auto& pack) { details.radii = radiiOf(pack, 0, nullptr); }, run.pack);
+    writeReport(run, recipe.pack, recipe, details);
+    return run;
 }
 
 void writeReport(const MeasureResult& result, const MeasureRecipe& recipe) {

@@ -12,18 +12,13 @@ namespace vdbpack {
 /// it is.
 std::string reportFileOf(const RunSettings& settings, const Report& report);
 
-/// Writes `recipe.reportFile`, if it is set, in the format of its extension. @throws IoError
-void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe);
-void writeReport(const RunResult& run, const CarveRecipe& recipe);
-void writeReport(const RunResult& run, const DensifyRecipe& recipe);
-void writeReport(const RunResult& run, const VoidsRecipe& recipe);
+/// Writes `settings.reportFile`, if it is set, in the format of its extension. @throws IoError
+/// @param subject  what the run worked on.
+void writeReport(const RunResult& run, const std::string& subject, const RunSettings& settings,
+                 const PageDetails& details = {});
 void writeReport(const MeasureResult& result, const MeasureRecipe& recipe);
 
-/// The same; returns the result.
-template <class Recipe>
-RunResult reported(RunResult result, const Recipe& recipe) {
-    writeReport(result, recipe);
-    return result;
-}
+/// The result of a run on a pack that exists, with its report written.
+RunResult reported(RunResult run, const InputPack& recipe);
 
 }  // namespace vdbpack

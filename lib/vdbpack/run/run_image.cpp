@@ -5,42 +5,9 @@
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/run/run.h"
 
-#include <tbb/parallel_reduce.h>
-
-#include <algorithm>
-#include <limits>
 #include <tuple>
-#include <utility>
 
 namespace vdbpack {
-
-namespace {
-
-/// The least and the largest value.
-std::pair<double, double> rangeOf(const Image& image) {
-    using Range = std::pair<double, double>;
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const Range numbers = image.visit([&](const auto* at) {
-        return tbb::parallel_reduce(
-            IndexRange(0, image.values(), 65536), Range{kInfinity, -kInfinity},
-            [&](const IndexRange& block, Range range) {
-                for (std::size_t i = block.begin(); i < block.end(); ++i) {
-                    const auto value = static_cast<double>(at[i]);
-                    range.first = std::min(range.first, value);
-                    range.second = std::max(range.second, value);
-                }
-                return range;
-            },
-            [](const Range& a, const Range& b) {
-                return Range{std::min(a.first, b.first), std::max(a.second, b.second)};
-            });
-    });
-    const double a = image.slope * numbers.first + image.intercept;
-    const double b = image.slope * numbers.second + image.intercept;
-    return std::minmax(a, b);
-}
-
-}  // namespace
 
 ImageResult runImage(const ImageRecipe& recipe, const Callbacks& caller) {
     const DomainRecipe& domain = recipe.domain;
@@ -59,7 +26,7 @@ ImageResult runImage(const ImageRecipe& recipe, const Callbacks& caller) {
         result.type = nameOf(image.type);
         result.grid = image.grid;
         result.layers = image.layers;
-        std::tie(result.lowest, result.highest) = rangeOf(image);
+        std::tie(result.lowest, result.highest) = valueRange(image);
         callbacks.stopIfCancelled();
         result.labels = labelsOf(image);
         if (result.labels) result.relations = labelRelations(image, *result.labels);

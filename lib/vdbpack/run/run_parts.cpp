@@ -21,15 +21,12 @@ namespace vdbpack {
 
 namespace {
 
-/// Spheres of a pack for which nothing else is requested.
-constexpr double kUsualCount = 100'000;
-
 /// Gives the parts that share the sizes of the whole run the radii that one of them was given.
 class SharedRadii {
 public:
     SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts.size()) {
         const double target = recipe.targetCount > 0  ? recipe.targetCount
-                              : recipe.radius.empty() ? kUsualCount
+                              : recipe.radius.empty() ? kDefaultCount
                                                       : 0;
         if (!(target > 0)) return;
         double volume = 0, largest = 0;
@@ -316,7 +313,7 @@ RunResult packParts(const PackRecipe& recipe, Parts parts, const Report& begun, 
     measureJoined(all);
     setProperties(parts, packed, all);
     RunResult result = finishStage(all);
-    writeReport(result, {}, recipe);
+    writeReport(result, recipe.domain.source, recipe);
     return result;
 }
 

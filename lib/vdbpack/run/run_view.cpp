@@ -52,22 +52,10 @@ template <int Dim>
 void view(const ViewRecipe& recipe, const DomainRecipe& domain, const Pack<Dim>& pack,
           ViewResult& result, const Callbacks& callbacks) {
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
-    std::optional<DomainSource> source;
-    DomainSource::Built built;
-    Extent extent;
-    extent.dim = Dim;
-    if (!domain.source.empty()) {
-        source.emplace(domain, callbacks);
-        if (source->dim() != Dim)
-            throw ParameterError(
-                fmt::format("{}: is a domain of {} dimensions, the pack one of {}; give one that "
-                            "it lies in",
-                            domain.source, source->dim(), Dim));
-        const double detail = fieldDetail(radius.min, radius.mean);
-        extent = extentOf(*source, detail, radius.max);
-        extent.count = static_cast<double>(pack.spheres.size());
-        requireResources(extent, recipe);
-        built = source->build(detail, radius.max, callbacks);
+    const auto source = domainAround(domain, Dim, callbacks);
+    const auto built =
+        buildAround(source, Dim, radius, pack.spheres.size(), radius.max, recipe, callbacks);
+    if (source) {
         Box<Dim> spheres;
         for (const auto& s : pack.spheres) spheres.add(s.center);
         if (intersection(spheres, ofDim<Dim>(built)->bounds()).empty())
@@ -75,9 +63,6 @@ void view(const ViewRecipe& recipe, const DomainRecipe& domain, const Pack<Dim>&
                 "{}: all {} lie outside of `domain` {}; check that the pack belongs to it, and "
                 "that `unit` and `packUnit` are right",
                 recipe.pack, Measure<Dim>::kSpheres, domain.source));
-    } else {
-        extent.count = static_cast<double>(pack.spheres.size());
-        requireResources(extent, recipe);
     }
     callbacks.stopIfCancelled();
     PagePicture picture =

@@ -3,7 +3,6 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/run/report_file.h"
-#include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/run/structure_sample.h"
 
@@ -36,7 +35,9 @@ RunResult cutDomain(const VoidsRecipe& recipe, const std::shared_ptr<const Domai
     domainStage(run, extent, detail, reach, voxel);
     cutStage(run);
     measureStage(run);
-    return reported(finishStage(run), recipe);
+    RunResult result = finishStage(run);
+    writeReport(result, recipe.domain.source, recipe);
+    return result;
 }
 
 }  // namespace

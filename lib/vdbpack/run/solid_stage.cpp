@@ -65,22 +65,6 @@ void warnOfBorder(const Morphometry& m, const VoxelImage& image, bool hasDomain,
         file, 100 * m.border.solid, low[0], low[1], low[2], high[0], high[1], high[2]));
 }
 
-/// The steps of an image along the axes of the world, for one that lies askew.
-void alongAxes(ImageGrid& grid) {
-    for (std::size_t d = 0; d < 3; ++d) {
-        const double step = length(grid.step[d]);
-        const auto axis = static_cast<int>(d);
-        if (std::fabs(std::fabs(grid.step[d][axis]) - step) > 1e-6 * step) {
-            for (std::size_t e = 0; e < 3; ++e) {
-                Vec<3> along;
-                along[static_cast<int>(e)] = length(grid.step[e]);
-                grid.step[e] = along;
-            }
-            return;
-        }
-    }
-}
-
 /// The solid of an image, read. @param whole  set to the box of all its voxels, mm, if there is no
 /// domain; @param voxel  mm; if 0, set to its least step.
 DomainRecipe imageSolid(const MeasureRecipe& recipe, std::optional<Box<3>>& whole, double& voxel,
@@ -97,7 +81,7 @@ DomainRecipe imageSolid(const MeasureRecipe& recipe, std::optional<Box<3>>& whol
     }
     Image image = readDomainImage(solid, callbacks);
     if (recipe.domain.source.empty()) {
-        alongAxes(image.grid);
+        image.grid = alongAxes(image.grid);
         whole = image.grid.bounds();
     }
     const Vec<3> spacing = image.grid.spacing();
@@ -106,25 +90,6 @@ DomainRecipe imageSolid(const MeasureRecipe& recipe, std::optional<Box<3>>& whol
     solid.space = ImageSpace::lps;
     solid.image = std::make_shared<const Image>(std::move(image));
     return solid;
-}
-
-/// The level set of a mesh or an image. @param voxel  mm; if 0, set to 1/256 of the longest side.
-std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, const MeasureRecipe& recipe,
-                                          double& voxel, const Callbacks& callbacks) {
-    solid.voxelSize = voxel;
-    std::optional<DomainSource> source(std::in_place, solid, callbacks);
-    const Vec<3> size = source->fileBounds().size();
-    if (!(voxel > 0)) {
-        voxel = *std::max_element(size.c.begin(), size.c.end()) / 256;
-        solid.voxelSize = voxel;
-        TriangleMesh mesh = *source->mesh();
-        source.emplace(solid, std::move(mesh), Callbacks{});
-    }
-    Extent extent = extentOf(*source, voxel, voxel);
-    extent.imageVoxels = (recipe.domain.source.empty() ? 1 : kWalledVoxel) * size[0] * size[1] *
-                         size[2] / (voxel * voxel * voxel);
-    requireResources(extent, recipe);
-    return source->build(voxel, voxel, callbacks).mesh->grid();
 }
 
 /// A solid as a level set.
@@ -160,7 +125,8 @@ SolidGrid readSolid(const MeasureRecipe& recipe, const Callbacks& callbacks) {
         solid = imageSolid(recipe, found.whole, found.voxel, callbacks);
         quiet.warning = nullptr;
     }
-    found.grid = gridOfMesh(std::move(solid), recipe, found.voxel, quiet);
+    const double images = recipe.domain.source.empty() ? 1 : kWalledVoxel;
+    found.grid = gridOfMesh(std::move(solid), images, recipe, found.voxel, quiet);
     return found;
 }
 
@@ -193,6 +159,25 @@ VoxelImage voxelsOf(const MeasureRecipe& recipe, const SolidGrid& solid, const D
 }
 
 }  // namespace
+
+std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, double images,
+                                          const RunSettings& settings, double& voxel,
+                                          const Callbacks& callbacks) {
+    constexpr double kVoxelsAcross = 256;
+    solid.voxelSize = voxel;
+    std::optional<DomainSource> source(std::in_place, solid, callbacks);
+    const Vec<3> size = source->fileBounds().size();
+    if (!(voxel > 0)) {
+        voxel = *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross;
+        solid.voxelSize = voxel;
+        TriangleMesh mesh = *source->mesh();
+        source.emplace(solid, std::move(mesh), Callbacks{});
+    }
+    Extent extent = extentOf(*source, voxel, voxel);
+    extent.imageVoxels = images * size[0] * size[1] * size[2] / (voxel * voxel * voxel);
+    requireResources(extent, settings);
+    return source->build(voxel, voxel, callbacks).mesh->grid();
+}
 
 bool isImageSolid(const MeasureRecipe& recipe) {
     return recipe.solidImage || (!recipe.given && namesImage(recipe.pack));

@@ -4,9 +4,17 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/run/run.h"
 
+#include <memory>
 #include <vector>
 
 namespace vdbpack {
+
+/// The level set of a mesh or an image.
+/// @param images  of as many voxels that are made of it. @param voxel  mm; if 0, set to 1/256 of
+/// the longest side.
+std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, double images,
+                                          const RunSettings& settings, double& voxel,
+                                          const Callbacks& callbacks);
 
 /// Whether `recipe.pack` is an image, and so a solid.
 bool isImageSolid(const MeasureRecipe& recipe);

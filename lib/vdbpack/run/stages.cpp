@@ -9,8 +9,6 @@
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/report/densified_pack.h"
 #include "vdbpack/report/measured_pack.h"
-#include "vdbpack/run/pack_warnings.h"
-#include "vdbpack/run/rank_stages.h"
 #include "vdbpack/voids/bvtv_field.h"
 #include "vdbpack/voids/shell_field.h"
 
@@ -215,6 +213,16 @@ void describeDomain(const Domain<Dim>& domain, Report& report) {
 }  // namespace
 
 template <int Dim>
+SphereRows rowsOf(const Run<Dim>& run) {
+    if (!run.ranks()) return {};
+    SphereRows all{run.ranks(), std::vector<std::int64_t>(run.pack.spheres.size())};
+    for (const RowSpan& span : run.share.spans)
+        for (std::size_t i = span.begin; i < span.end; ++i)
+            all.rows[i] = static_cast<std::int64_t>(span.row + (i - span.begin));
+    return all;
+}
+
+template <int Dim>
 void measureStage(Run<Dim>& run) {
     const double tolerance = run.settings.contactTolerance;
     run.callbacks.report("measure", 0, 0);
@@ -258,6 +266,7 @@ void measureStage(Run<Dim>& run) {
     template void domainStage(Run<Dim>&, const Extent&, double, double, double); \
     template void densifyStage(Run<Dim>&, DensifyOptions);                       \
     template void cutStage(Run<Dim>&, bool);                                     \
+    template SphereRows rowsOf(const Run<Dim>&);                                 \
     template void measureStage(Run<Dim>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

@@ -213,11 +213,61 @@ void solidStage(Run<3>& run, double detail, double reach);
 template <int Dim>
 void cutStage(Run<Dim>& run, bool made = false);
 
+/// The rows of the spheres, of a run over ranks, by its spans.
+template <int Dim>
+SphereRows rowsOf(const Run<Dim>& run);
+
 template <int Dim>
 void measureStage(Run<Dim>& run);
 
 /// Writes the outputs, the picture and the recipe file, and takes the result out of the run.
 template <int Dim>
 RunResult finishStage(Run<Dim>& run);
+
+// Warnings of packs that can hardly be used (pack_warnings.cpp).
+
+/// Warns if contacts connect few of the spheres with one another or, with voids, with the shell.
+/// Not of packs with a gap; of densified ones by voids alone.
+template <int Dim>
+void warnOfLooseSpheres(const Run<Dim>& run);
+
+/// Warns if the spheres fill little of a solid that they are packed into (`Fill::solid`), deeper
+/// than the shell: its trabeculae are hardly thicker than they are.
+template <int Dim>
+void warnOfThinSolid(const Run<Dim>& run);
+
+/// Warns if a pack is nearly empty, because its radii hardly fit into the domain.
+/// @param largest  radius, mm.
+template <int Dim>
+void warnOfFewSpheres(const Run<Dim>& run, double largest);
+
+/// Warns if by far not `target` spheres are left of those that were packed.
+template <int Dim>
+void warnOfCount(const Run<Dim>& run, double target);
+
+/// Warns if the spheres are larger than the voids that are cut into their pack: BV/TV is that of
+/// the level set, which such a pack cannot show.
+template <int Dim>
+void warnOfSmallVoids(const Run<Dim>& run);
+
+/// @param before  spheres of the pack (of this rank) before the voids were cut.
+/// @throws ParameterError if none of them remains
+template <int Dim>
+void requireSpheresLeft(const Run<Dim>& run, std::uint64_t before);
+
+// Several runs in one domain.
+
+/// Packs for each of the recipes, which differ in seed and outputs alone; the domain is made once.
+/// Interrupted before the first pack, the result is one without spheres.
+/// @param done  receives each result and returns whether to continue.
+/// @throws as runPack.
+void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
+              const std::function<bool(RunResult&&)>& done);
+
+/// Voids for each of the recipes, which differ in seed and outputs alone; the domain is read once.
+/// @param done  receives each result and returns whether to continue.
+/// @throws as runVoids.
+void voidsEach(const std::vector<VoidsRecipe>& recipes, const Callbacks& callbacks,
+               const std::function<bool(RunResult&&)>& done);
 
 }  // namespace vdbpack

@@ -4,7 +4,7 @@
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/run_each.h"
+#include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
 
