@@ -7,15 +7,12 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/run/stages.h"
-#include "vdbpack/voids/bvtv_field.h"
 #include "vdbpack/voids/factor_field.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <limits>
 
 namespace vdbpack {
 

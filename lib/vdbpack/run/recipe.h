@@ -10,7 +10,6 @@
 #include "vdbpack/voids/scalar_field.h"
 #include "vdbpack/voids/void_recipe.h"
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>

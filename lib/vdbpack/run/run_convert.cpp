@@ -11,9 +11,6 @@
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/solid_stage.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <optional>
 #include <utility>
 

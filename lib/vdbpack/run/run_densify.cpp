@@ -1,5 +1,4 @@
 // The run that makes any pack denser: `vdb_pack densify`.
-#include "vdbpack/core/error.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"

@@ -6,14 +6,8 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/stages.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <functional>
 #include <optional>
-#include <type_traits>
 #include <utility>
 
 namespace vdbpack {
