@@ -3,8 +3,12 @@
 
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/pack.h"
+#include "vdbpack/domain/mesh_fitness.h"
+#include "vdbpack/image/image_surface.h"
+#include "vdbpack/image/label_relations.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/measure/structure.h"
+#include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/report/page_frame.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/verify/verify.h"
@@ -89,5 +93,38 @@ struct ViewResult {
 nlohmann::ordered_json toJson(const ViewResult& result);
 /// For people; ends with a newline.
 std::string summary(const ViewResult& result);
+
+struct MeshResult {
+    TriangleMesh mesh;                   ///< as it was read, or repaired; mm
+    MeshHealth health;                   ///< of the mesh; with `repair`, of the repaired mesh
+    std::optional<RepairReport> repair;  ///< contains the health before the repair
+    MeshFitness fitness;
+    bool passed = true;  ///< false: `check` was requested, and the mesh cannot be packed
+    std::string source;  ///< its file
+    std::vector<std::string> files;
+};
+
+/// The members of the health, `fit` and `reasons`; `repair` and `files` where there are any;
+/// without a repair `withRepair`, what it would do, null if it is not needed.
+nlohmann::json toJson(const MeshResult& result);
+std::string summary(const MeshResult& result);
+/// Why a mesh did not pass, a line each.
+std::string failures(const MeshResult& result);
+
+struct ImageResult {
+    std::string source, format, type;
+    ImageSpace space = ImageSpace::lps;
+    ImageGrid grid;
+    std::size_t layers = 1;
+    double lowest = 0, highest = 0;                 ///< values, of those that are numbers
+    std::optional<std::vector<LabelCount>> labels;  ///< nothing: a grey image
+    LabelRelations relations;                       ///< of the labels
+    std::vector<std::string> warnings;
+};
+
+/// Lengths in mm: `format`, `type`, `size`, `spacing`, `orientation`, `space`, `origin`,
+/// `directions` (one axis a row), `range`, `labels` (null for grey images), `contacts`.
+nlohmann::json toJson(const ImageResult& result);
+std::string summary(const ImageResult& result);
 
 }  // namespace vdbpack

@@ -1,8 +1,7 @@
-#include "vdbpack/run/parts.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/label_domains.h"
 #include "vdbpack/report/page_frame.h"
+#include "vdbpack/run/run_parts.h"
 
 #include <fmt/format.h>
 

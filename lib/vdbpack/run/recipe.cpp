@@ -7,7 +7,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/run/stages.h"
-#include "vdbpack/voids/factor_field.h"
+#include "vdbpack/voids/local_values.h"
 
 #include <fmt/format.h>
 

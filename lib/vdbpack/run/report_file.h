@@ -1,7 +1,7 @@
 // Reports as files: .json for programs, .html for people.
 #pragma once
 
-#include "vdbpack/report/page_details.h"
+#include "vdbpack/report/measured_pack.h"
 #include "vdbpack/run/run.h"
 
 #include <string>

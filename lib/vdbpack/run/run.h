@@ -3,8 +3,6 @@
 
 #include "vdbpack/core/progress.h"
 #include "vdbpack/options/recipes.h"
-#include "vdbpack/report/image_result.h"
-#include "vdbpack/report/mesh_result.h"
 #include "vdbpack/report/run_result.h"
 
 namespace vdbpack {

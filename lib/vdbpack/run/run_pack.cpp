@@ -11,7 +11,7 @@
 #include "vdbpack/run/run_parts.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/run/structure_sample.h"
-#include "vdbpack/voids/bvtv_field.h"
+#include "vdbpack/voids/local_values.h"
 #include "vdbpack/voids/shell_field.h"
 
 #include <fmt/format.h>

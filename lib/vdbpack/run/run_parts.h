@@ -1,12 +1,23 @@
 // Private to runs: packs of several parts, each in a domain of its own.
 #pragma once
 
-#include "vdbpack/run/parts.h"
 #include "vdbpack/run/stages.h"
 
 #include <memory>
+#include <vector>
 
 namespace vdbpack {
+
+/// A part before it is packed.
+struct Part {
+    PackRecipe recipe;  ///< with its name
+    std::shared_ptr<DomainSource> source;
+};
+using Parts = std::vector<Part>;
+
+/// The parts of a recipe, with surfaces that later ones cut from earlier ones; none if it has one
+/// domain. @throws as `runPack`
+Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks);
 
 /// Packs, cuts and measures one part (run_pack.cpp). @throws as `runPack`
 std::unique_ptr<Run<3>> packPart(const PackRecipe& recipe,

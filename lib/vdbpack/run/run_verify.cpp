@@ -4,7 +4,7 @@
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/measure/vacancies.h"
 #include "vdbpack/run/input_pack.h"
-#include "vdbpack/run/parts.h"
+#include "vdbpack/run/run_parts.h"
 
 #include <fmt/format.h>
 

@@ -9,7 +9,7 @@
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/report/densified_pack.h"
 #include "vdbpack/report/measured_pack.h"
-#include "vdbpack/voids/bvtv_field.h"
+#include "vdbpack/voids/local_values.h"
 #include "vdbpack/voids/shell_field.h"
 
 #include <fmt/format.h>
