@@ -7,7 +7,6 @@
 #include "support/tool.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/image/image_file.h"
@@ -307,7 +306,7 @@ TEST_CASE("voids follow the BV/TV that grey values say", "[cli][grey]") {
     recipe.request.radius = "uniform:0.5,0.8";
     recipe.request.bvtvField = grey;
     recipe.request.bvtvRange = "0,2000";
-    recipe.domain.voxelSpacing = parseVoxelSpacing("0.25");
+    recipe.domain.voxelSpacing = Vec<3>{{0.25, 0.25, 0.25}};
     recipe.outputs = {"labels-solid:" + folder.file("s.nrrd")};
     const RunResult run = runVoids(recipe);
     CHECK(*run.report.voids->bvtv == Approx(0.4).margin(0.005));
@@ -394,7 +393,7 @@ TEST_CASE("label maps of a mesh or shape need a size of voxels", "[cli][grey]") 
     recipe.outputs = {"labels-regions:" + folder.file("r.nii.gz"),
                       "labels-solid:" + folder.file("s.nii.gz")};
     CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("voxelSpacing"));
-    recipe.domain.voxelSpacing = parseVoxelSpacing("0.2");
+    recipe.domain.voxelSpacing = Vec<3>{{0.2, 0.2, 0.2}};
     const RunResult run = runPack(recipe);
     const auto& pack = std::get<Pack<3>>(run.pack);
     double volume[2] = {};

@@ -3,7 +3,6 @@
 #include "support/temporary_folder.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/stamp.h"
@@ -217,7 +216,7 @@ TEST_CASE("an axis of a foam is that of its voids in any periodic cell",
 TEST_CASE("walls beside periodic faces end the voids", "[cli][periodic][voids]") {
     auto recipe = cellRecipe<3>("boolean");
     recipe.domain.source = "box:24,22,26";
-    recipe.domain.periodic = parseAxes("xy");
+    recipe.domain.periodic = {true, true, false};
     const auto run = runPack(recipe);
     const PeriodicCell<3> cell = packOf<3>(run).cell;
     CHECK_FALSE(cell.all());
