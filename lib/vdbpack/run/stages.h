@@ -62,7 +62,7 @@ struct RunVoids {
     VoidRecipe recipe{};                            ///< without a method and a shell: none are cut
     double largestRadius = 0;                       ///< of the spheres there are or will be, mm
     std::function<double(const Vec<Dim>&)> bvtv{};  ///< by place; empty: the same everywhere
-    ShellThickness shell{};                         ///< by place; uniform: that of the recipe
+    ShellThickness shell{};                         ///< by place; uniform: thickness of the recipe
     MadeVoids<Dim> made{};
 
     bool areCut() const { return !recipe.empty() || recipe.hasShell(); }
@@ -245,7 +245,7 @@ void warnOfFewSpheres(const Run<Dim>& run, double largest);
 template <int Dim>
 void warnOfCount(const Run<Dim>& run, double target);
 
-/// Warns if the spheres are larger than the voids that are cut into their pack: BV/TV is that of
+/// Warns if the spheres are larger than the voids that are cut into their pack: BV/TV belongs to
 /// the level set, which such a pack cannot show.
 template <int Dim>
 void warnOfSmallVoids(const Run<Dim>& run);
