@@ -102,7 +102,7 @@ void benchMeasure(int threads, double side, int edge) {
     try {
         PackRecipe pack;
         pack.domain.source = fmt::format("box:{0:g},{0:g},{0:g}", side);
-        pack.radius = "uniform:1,2";
+        pack.radius = SizeDistribution::uniform(1, 2);
         pack.threads = threads;
         pack.outputs = {folder + "/pack.vdb"};
         const double packing = runPack(pack).report.seconds.pack;

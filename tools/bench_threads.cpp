@@ -45,7 +45,7 @@ Job boxJob(const std::string& box, double fraction) {
     job.name = box + ", radii uniform:1,2";
     if (fraction > 0) job.name += fmt::format(", densified to {}", fraction);
     job.recipe.domain.source = box;
-    job.recipe.radius = "uniform:1,2";
+    job.recipe.radius = SizeDistribution::uniform(1, 2);
     job.recipe.densify.fraction = fraction;
     return job;
 }
@@ -56,15 +56,15 @@ Job meshJob(const MeshArgument& mesh) {
     PackRecipe& recipe = job.recipe;
     recipe.domain.source = mesh.file;
     recipe.domain.unit = mesh.unit;
-    recipe.radius = fmt::format("uniform:{:g},{:g}", smallest, 2 * smallest);
+    recipe.radius = SizeDistribution::uniform(smallest, 2 * smallest);
     BooleanVoids voids;
     voids.shape.radius = SizeDistribution::uniform(3 * smallest, 6 * smallest);
     voids.targetBvtv = 0.3;
     recipe.voids.method = voids;
     recipe.voids.shell = 4 * smallest;
     job.name = fmt::format("{}, radii {}, voids boolean of {}, shell {:g}, BV/TV 0.3",
-                           std::filesystem::path(mesh.file).filename().string(), recipe.radius,
-                           voids.shape.radius.spec(), recipe.voids.shell);
+                           std::filesystem::path(mesh.file).filename().string(),
+                           recipe.radius.spec(), voids.shape.radius.spec(), recipe.voids.shell);
     return job;
 }
 

@@ -11,8 +11,6 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_image.h"
-#include "vdbpack/run/run_view.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

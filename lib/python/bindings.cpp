@@ -11,8 +11,6 @@
 #include "vdbpack/options/command_line.h"
 #include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_image.h"
-#include "vdbpack/run/run_view.h"
 #include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>

@@ -7,6 +7,7 @@
 #include "support/tool.h"
 
 #include "vdbpack/core/memory.h"
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/run/estimate.h"
 
@@ -105,7 +106,7 @@ TEST_CASE("a dry run refuses what a run does, and says what densifying cannot re
     recipe.outputs = {"/none/pack.csv"};
     CHECK_THROWS_AS(dryRunPack(recipe), IoError);
     recipe.outputs = {};
-    recipe.radius = "uniform:30,40";
+    recipe.radius = SizeRequest::parse("uniform:30,40");
     CHECK_THROWS_AS(dryRunPack(recipe), InputError);
 }
 
@@ -115,11 +116,11 @@ TEST_CASE("a clip leaves the volume that is reported") {
     DomainRecipe recipe;
     recipe.source = folder.file("b.obj");
     const double whole = DomainSource(recipe).clippedVolume();
-    recipe.clips = {"plane:1,0,0,0"};
+    recipe.clips = {parseClip("plane:1,0,0,0")};
     CHECK(DomainSource(recipe).clippedVolume() == Approx(whole / 2).epsilon(0.02));
-    recipe.clips = {"plane:1,1,0,0", "plane:0,0,-1,0"};
+    recipe.clips = {parseClip("plane:1,1,0,0"), parseClip("plane:0,0,-1,0")};
     CHECK(DomainSource(recipe).clippedVolume() == Approx(whole / 4).epsilon(0.04));
-    recipe.clips = {"plane:1,0,0,-50"};
+    recipe.clips = {parseClip("plane:1,0,0,-50")};
     CHECK(DomainSource(recipe).clippedVolume() == 0);
 }
 

@@ -50,7 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             const double volume = shape->space ? shape->space->volume() : shape->plane->volume();
             if (!(volume > 0) || !std::isfinite(volume)) fuzz::report("a shape without a volume");
         } else if (kind == "clip") {
-            if (parseClip(text).empty()) fuzz::report("a clip without a plane");
+            if (parseClip(text).planes.empty()) fuzz::report("a clip without a plane");
         } else if (kind == "slice") {
             if (!std::isfinite(parseSlice(text))) fuzz::report("a slice at no height");
         } else if (kind == "spacing") {

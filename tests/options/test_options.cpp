@@ -1,5 +1,6 @@
 // The table of options: names in messages, values, words that are alike.
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/options/jobs.h"
 #include "vdbpack/options/suggest.h"
 
@@ -56,7 +57,7 @@ TEST_CASE("a page names the options that differ from their defaults, once", "[op
     job.domain.source = "ball:3";
     job.packing.blockSide = 40;
     job.request.method = "boolean";
-    job.domain.clips = {"plane:1,0,0,1", "plane:0,1,0,1"};
+    job.domain.clips = {parseClip("plane:1,0,0,1"), parseClip("plane:0,1,0,1")};
     const auto given = givenOptions(job);
     using Row = std::pair<std::string, std::string>;
     const auto count = [&](const Row& row) { return std::count(given.begin(), given.end(), row); };

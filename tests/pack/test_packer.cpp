@@ -1,5 +1,6 @@
 #include "support/ball_domain.h"
 #include "support/cube.h"
+#include "support/generators.h"
 #include "support/random_point.h"
 #include "support/sizes.h"
 #include "support/test.h"

@@ -3,6 +3,7 @@
 #include "support/jobs.h"
 #include "support/test.h"
 
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"

@@ -145,7 +145,7 @@ TEST_CASE("a part with a density of its own keeps it") {
     PackJob recipe;
     recipe.grey.samples = {"hu=" + grey};
     recipe.grey.calibration = "12,-150";
-    recipe.radius = "uniform:0.8,1.6";
+    recipe.radius = SizeRequest::parse("uniform:0.8,1.6");
     PackJob part = recipe;
     part.domain.source = file;
     part.domain.label = "5";
@@ -278,7 +278,7 @@ TEST_CASE("voids follow the BV/TV that grey values say") {
     setVoids(recipe.request, "boolean", "uniform:0.5,0.8");
     recipe.request.bvtvField = grey;
     recipe.request.bvtvRange = "0,2000";
-    recipe.domain.voxelSpacing = "0.25";
+    recipe.domain.voxelSpacing = Vec<3>{{0.25, 0.25, 0.25}};
     const RunResult run = runVoids(recipe);
     CHECK(*run.report.voids->bvtv == Approx(0.4).margin(0.005));
     const Image image = readImage(folder.file("s.nrrd"));
@@ -347,7 +347,7 @@ TEST_CASE("label maps of a shape have the volumes of its regions") {
     recipe.request.shell = 2;
     recipe.outputs = {"labels-regions:" + folder.file("r.nii.gz"),
                       "labels-solid:" + folder.file("s.nii.gz")};
-    recipe.domain.voxelSpacing = "0.2";
+    recipe.domain.voxelSpacing = Vec<3>{{0.2, 0.2, 0.2}};
     const RunResult run = runPack(recipe);
     const auto& pack = std::get<Pack<3>>(run.pack);
     double volume[2] = {};

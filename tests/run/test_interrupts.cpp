@@ -97,7 +97,7 @@ TEST_CASE("names for what an interrupt leaves are checked before the run") {
     PackJob recipe = recipeFor("box:20,20,20", "uniform:1,2", folder.file("p.interrupted.csv"));
     runPack(recipe);
     recipe.existing = folder.file("p.interrupted.csv");
-    recipe.radius = "constant:0.5";
+    recipe.radius = SizeRequest::parse("constant:0.5");
     recipe.outputs = {folder.file("p.csv")};
     CHECK_THROWS_AS(runPack(recipe), ParameterError);
     CHECK(namesIn(folder.path()).size() == 1);

@@ -34,7 +34,7 @@ TEST_CASE("measure tells of a file what the packer told of the pack") {
         const RunResult made = runPack(recipeFor(domain, radius, folder.file("p.csv")));
         auto recipe =
             onPack<MeasureRecipe>(folder.file("p.csv"), domain, "contacts:" + folder.file("c.csv"));
-        recipe.radius = radius;
+        recipe.radius = SizeRequest::parse(radius);
         recipe.shell = 2;
         recipe.reportFile = folder.file("r.json");
         const MeasureResult result = runMeasure(recipe);

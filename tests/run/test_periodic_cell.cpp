@@ -3,6 +3,7 @@
 #include "support/test.h"
 #include "support/tool.h"
 
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 
 TEST_CASE("a periodic cell is packed, densified, measured and verified") {
@@ -44,7 +45,7 @@ TEST_CASE("a periodic cell is packed, densified, measured and verified") {
 
 TEST_CASE("boxes repeat along the axes that are named") {
     auto recipe = recipeFor("box:24,22,26", "uniform:1,2");
-    recipe.domain.periodic = "xz";
+    recipe.domain.periodic = parseAxes("xz");
     const auto run = runPack(recipe);
     CHECK(run.passed);
     CHECK(run.report.area == Approx(2 * 24 * 26));

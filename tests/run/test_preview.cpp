@@ -1,6 +1,7 @@
 #include "support/jobs.h"
 #include "support/test.h"
 
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
 
@@ -48,12 +49,12 @@ TEST_CASE("clipped, sliced and voided domains are drawn") {
     if (!canDrawSpace()) return;
     const TemporaryFolder folder;
     auto clipped = drawn("ball:10", folder.file("clipped.png"));
-    clipped.domain.clips = {"plane:0,0,1,2"};
+    clipped.domain.clips = {parseClip("plane:0,0,1,2")};
     clipped.preview.cut = PreviewCut{0, 1};
     runPack(clipped);
     CHECK(isPng(folder.file("clipped.png")));
     auto sliced = drawn("ball:10", folder.file("sliced.png"));
-    sliced.domain.slice = "z=1";
+    sliced.domain.slice = 1;
     runPack(sliced);
     CHECK(isPng(folder.file("sliced.png")));
     auto shelled = drawn("ball:12", folder.file("shelled.png"));

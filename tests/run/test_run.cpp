@@ -3,6 +3,7 @@
 #include "support/mesh_file.h"
 #include "support/test.h"
 
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 
 #include <nlohmann/json.hpp>
@@ -50,7 +51,7 @@ TEST_CASE("depth is the distance to the wall, however deep") {
             deepest = std::max(deepest, pack.depth[i]);
         }
         CHECK(deepest > 15);
-        recipe.domain.clips = {"plane:0,0,2,4"};  // z <= 2
+        recipe.domain.clips = {parseClip("plane:0,0,2,4")};  // z <= 2
         const auto cut = runPack(recipe);
         const auto& half = std::get<Pack<3>>(cut.pack);
         for (std::size_t i = 0; i < half.spheres.size(); ++i) {
@@ -115,7 +116,7 @@ TEST_CASE("a slice is packed with circles and verified as circles") {
     for (const std::string& source : {folder.file("b.obj"), std::string("ball:30")}) {
         CAPTURE(source);
         PackRecipe recipe = recipeFor(source, "uniform:0.5,1", folder.file("c.csv"));
-        recipe.domain.slice = "z=10";
+        recipe.domain.slice = 10;
         const auto run = runPack(recipe);
         CHECK(run.passed);
         CHECK(run.report.volume == Approx(kPi * 800).epsilon(0.005));
@@ -128,7 +129,7 @@ TEST_CASE("a slice is packed with circles and verified as circles") {
 
 TEST_CASE("a clip cuts the domain and the pack") {
     PackRecipe recipe = recipeFor("ball:15", "uniform:0.8,1.6");
-    recipe.domain.clips = {"plane:0,0,1,0", "box:-20,-20,-20,20,5,20"};
+    recipe.domain.clips = {parseClip("plane:0,0,1,0"), parseClip("box:-20,-20,-20,20,5,20")};
     const auto run = runPack(recipe);
     CHECK(run.passed);
     for (const auto& s : std::get<Pack<3>>(run.pack).spheres) {
@@ -256,7 +257,7 @@ TEST_CASE("a pack is added to, and what stood there is written again as it was")
 
     // In stages: what was added stands in the next one.
     recipe.existing = folder.file("out.csv");
-    recipe.radius = "uniform:0.2,0.4";
+    recipe.radius = SizeRequest::parse("uniform:0.2,0.4");
     recipe.outputs = {folder.file("more.csv")};
     const auto more = runPack(recipe);
     CHECK(more.passed);

@@ -6,6 +6,7 @@
 
 #include "vdbpack/domain/core_volume.h"
 #include "vdbpack/domain/domain_source.h"
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/run/run.h"
 
 namespace {
@@ -69,7 +70,7 @@ TEST_CASE("a shell measured from the outer surface encloses a core that ends at 
 TEST_CASE("clips do not count as surface where a shell is measured from the outer surface") {
     const TemporaryFolder folder;
     DomainRecipe recipe = fromOuter(hollowBall(folder));
-    recipe.clips = {"plane:0,0,1,0"};
+    recipe.clips = {parseClip("plane:0,0,1,0")};
     const auto built = DomainSource(recipe).build(0.3, kShell);
     const double expected = 0.5 * (ball(kOuter - kShell) - ball(kInner));
     CHECK(coreVolume(*built.space, kShell) == Approx(expected).epsilon(0.015));
@@ -77,12 +78,12 @@ TEST_CASE("clips do not count as surface where a shell is measured from the oute
     DomainRecipe shape;
     shape.source = "cylinder:5,20";
     shape.shellFrom = ShellFrom::outer;
-    shape.clips = {"plane:0,0,1,0"};
+    shape.clips = {parseClip("plane:0,0,1,0")};
     const auto half = DomainSource(shape).build(0.3, 1);
     CHECK(coreVolume(*half.space, 1) == Approx(kPi * 16 * 9).epsilon(0.01));
 
     recipe.clips.clear();
-    recipe.slice = "z=0";
+    recipe.slice = 0;
     const auto plane = DomainSource(recipe).build(0.3, kShell);
     CHECK(coreVolume(*plane.plane, kShell) ==
           Approx(kPi * (std::pow(kOuter - kShell, 2) - kInner * kInner)).epsilon(0.015));

@@ -73,7 +73,7 @@ TEST_CASE("sizes follow a table or a grid, and the report says how well") {
 
 TEST_CASE("the shell and the inside have radii of their own, before and after densifying") {
     PackJob recipe = recipeFor("ball:14", "uniform:1,2");
-    recipe.shellRadius = "uniform:0.5,0.9";
+    recipe.shellRadius = SizeRequest::parse("uniform:0.5,0.9");
     recipe.request.shell = 3;
     const bool dense = GENERATE(false, true);
     if (dense) recipe.densify.fraction = 0.62;
@@ -117,7 +117,7 @@ TEST_CASE("a bone densifies whatever the radii leave of its shell", "[long]") {
                             Case{1.2, "uniform:1.2,2.4", "uniform:0.6,1.2"});
     PackJob recipe = recipeFor(kMeshes + "/mandible.ply", c.radius);
     recipe.request.shell = c.shell;
-    recipe.shellRadius = c.shellRadius;
+    recipe.shellRadius = SizeRequest::parse(c.shellRadius);
     CAPTURE(c.shell);
     recipe.densify.fraction = 0.61;
     const auto report = runPack(recipe).report;
@@ -129,7 +129,7 @@ TEST_CASE("a bone densifies whatever the radii leave of its shell", "[long]") {
 
 TEST_CASE("a warning names a shell that stays empty") {
     PackJob recipe = recipeFor("ball:8", "uniform:0.8,1.6");
-    recipe.shellRadius = "uniform:0.4,0.8";
+    recipe.shellRadius = SizeRequest::parse("uniform:0.4,0.8");
     for (const double thickness : {0.3, 1.6}) {
         CAPTURE(thickness);
         recipe.request.shell = thickness;

@@ -5,6 +5,7 @@
 #include "support/paths.h"
 #include "support/test.h"
 
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 
@@ -90,7 +91,7 @@ TEST_CASE("every bundled bone packs the same for any number of threads", "[.slow
 TEST_CASE("circles are the same for any number of threads") {
     requireSameForAnyThreads(recipeFor("rect:40,30", "uniform:0.3,0.6"));
     PackJob slice = boneRecipe("irregular", 2000);
-    slice.domain.slice = "z=0";
+    slice.domain.slice = 0;
     requireSameForAnyThreads(slice);
 }
 
@@ -118,7 +119,7 @@ TEST_CASE("a bone with voids is the same for any number of threads", "[.slow]") 
     CHECK(run.report.voids->culled > 500);
     // Circles in a slice of it, in the same way.
     recipe.targetCount = 2000;
-    recipe.domain.slice = "z=0";
+    recipe.domain.slice = 0;
     CHECK(requireSameForAnyThreads(recipe).report.voids->culled > 100);
 }
 
@@ -138,7 +139,7 @@ TEST_CASE("a repaired bone is the same for any number of threads", "[.slow]") {
 TEST_CASE("spheres around others are the same for any number of threads") {
     const TemporaryFolder folder;
     PackJob recipe = boneRecipe("irregular", 3000);
-    recipe.domain.clips = {"plane:0,0,1,0"};
+    recipe.domain.clips = {parseClip("plane:0,0,1,0")};
     recipe.outputs = {folder.file("half.csv")};
     const auto half = runPack(recipe);
     PackJob whole = recipeFor(boneFile("irregular"), "uniform:0.8,1.2");

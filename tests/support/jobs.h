@@ -17,7 +17,7 @@ inline PackJob recipeFor(const std::string& domain, const std::string& radius,
                          const std::string& output = {}) {
     PackJob recipe;
     recipe.domain.source = domain;
-    recipe.radius = radius;
+    recipe.radius = SizeRequest::parse(radius);
     if (!output.empty()) recipe.outputs = {output};
     return recipe;
 }

@@ -6,7 +6,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/report/page_frame.h"
-#include "vdbpack/run/run_view.h"
+#include "vdbpack/run/run.h"
 #include "vdbpack/view/view_data.h"
 
 #include <zlib.h>

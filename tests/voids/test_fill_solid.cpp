@@ -80,7 +80,7 @@ TEST_CASE("spheres that fill little of a solid are warned of") {
     PackJob recipe = porousBall("ball:8");
     recipe.request.fill = Fill::solid;
     CHECK_FALSE(mentions(warningsOf(recipe), "between the voids"));
-    recipe.radius = "uniform:0.4,0.8";
+    recipe.radius = SizeRequest::parse("uniform:0.4,0.8");
     recipe.request.targetBvtv = 0.2;
     CHECK(mentions(warningsOf(recipe), "between the voids"));
 }
@@ -103,7 +103,7 @@ TEST_CASE("a target count is the number of spheres that are written") {
             [](PackJob& r) { r.request = {}, setVoids(r.request, "mixed", "constant:1.2", 0.75); }},
         Case{"in the solid alone", [](PackJob& r) { r.request.fill = Fill::solid; }});
     PackJob recipe = porousBall("ball:8");
-    recipe.radius = "uniform:1,2";
+    recipe.radius = SizeRequest::parse("uniform:1,2");
     recipe.targetCount = 3000;
     c.change(recipe);
     CAPTURE(c.what);
@@ -112,7 +112,7 @@ TEST_CASE("a target count is the number of spheres that are written") {
 
 TEST_CASE("the voids around a solid have one size in all rounds of a target count", "[.slow]") {
     PackJob recipe = porousBall("ball:10");
-    recipe.radius = "uniform:1,2";
+    recipe.radius = SizeRequest::parse("uniform:1,2");
     recipe.targetCount = 1500;
     recipe.request.fill = Fill::solid;
     recipe.request.radius.clear();  // from the radii of the spheres
@@ -169,7 +169,7 @@ TEST_CASE("voids smaller than the spheres are warned of, with both sizes") {
     PackJob recipe = recipeFor("ball:8", "constant:1");
     setVoids(recipe.request, "boolean", "constant:0.5", 0.6);
     CHECK(mentions(warningsOf(recipe), "0.5"));
-    recipe.radius = "constant:0.4";
+    recipe.radius = SizeRequest::parse("constant:0.4");
     recipe.request.radius = "constant:1.5";
     CHECK_FALSE(mentions(warningsOf(recipe), "smaller than the spheres"));
 }

@@ -34,7 +34,7 @@ TEST_CASE("the cells of a foam are as long as they are asked to be", "[long]") {
     const double aspect = GENERATE(1.0, 1.4, 2.0);
     auto recipe = foam("box:4,4,4", 0.2, folder.file("v.vdb"));
     recipe.request.aspect = "constant:" + std::to_string(aspect);
-    recipe.request.orientation.axis = "1,1,0";
+    recipe.request.orientation.axis = VoidAxis::parse("1,1,0");
     runVoids(recipe);
     auto measure = onPack<MeasureRecipe>(folder.file("v.vdb"), "box:4,4,4");
     const auto measured = runMeasure(measure);
@@ -50,7 +50,7 @@ TEST_CASE("the cells of a foam are as long as they are asked to be", "[long]") {
 TEST_CASE("the voids of a foam touch before they are dilated") {
     const TemporaryFolder folder;
     auto recipe = foam("box:4,4,4", 0.2, "list:" + folder.file("l.csv"));
-    recipe.request.orientation.axis = "0,0,1";
+    recipe.request.orientation.axis = VoidAxis::parse("0,0,1");
     recipe.request.aspect = "constant:1.5";
     recipe.request.jitter = 0;
     const double factor = *runVoids(recipe).report.voids->amount;
@@ -116,7 +116,7 @@ TEST_CASE("the cells of a foam follow a field of directions") {
 TEST_CASE("a foam in the plane, and in a bone with a shell") {
     const TemporaryFolder folder;
     auto flat = foam("disc:6", 0.3, "list:" + folder.file("l.csv"));
-    flat.request.orientation.axis = "1,0";
+    flat.request.orientation.axis = VoidAxis::parse("1,0");
     CHECK(*runVoids(flat).report.voids->bvtv == Approx(0.3).margin(0.003));
     auto shelled = foam("ball:3", 0.25, folder.file("v.vdb"));
     shelled.request.shell = 0.5;

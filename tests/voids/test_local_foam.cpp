@@ -174,7 +174,7 @@ TEST_CASE("a local foam is the solid that spheres fill", "[long]") {
     pack.request = foam.recipe.request;
     pack.request.fill = Fill::solid;
     pack.request.keepConnected = true;
-    pack.radius = "constant:0.04";
+    pack.radius = SizeRequest::parse("constant:0.04");
     pack.outputs = {foam.folder.file("p.csv")};
     const RunResult run = runPack(pack);
     CHECK(run.passed);

@@ -18,8 +18,8 @@ Box<Dim> unitBox() {
 OrientationRecipe recipeOf(const std::string& angles, const std::string& axis = "",
                            const std::string& field = "") {
     OrientationRecipe recipe;
-    recipe.angles = angles;
-    recipe.axis = axis;
+    if (!angles.empty()) recipe.angles = VoidAngles::parse(angles);
+    if (!axis.empty()) recipe.axis = VoidAxis::parse(axis);
     recipe.field = field;
     return recipe;
 }
@@ -42,8 +42,10 @@ Vec<Dim> first(const OrientationRecipe& recipe) {
 }
 
 template <int Dim>
-std::string failure(const OrientationRecipe& recipe) {
-    return messageOf<ParameterError>([&] { makeOrientation<Dim>(recipe, unitBox<Dim>()); });
+std::string failure(const std::string& angles, const std::string& axis = "",
+                    const std::string& field = "") {
+    return messageOf<ParameterError>(
+        [&] { makeOrientation<Dim>(recipeOf(angles, axis, field), unitBox<Dim>()); });
 }
 
 }  // namespace
@@ -193,29 +195,28 @@ TEST_CASE("a field that does not cover the domain is refused with both boxes") {
 TEST_CASE("a malformed orientation is refused with its parameter and value") {
     const auto angles = Contains("`orientation.angles`"), axis = Contains("`orientation.axis`"),
                field = Contains("`orientation.field`");
-    CHECK_THAT(failure<3>(recipeOf("", "1,0,0", "f.csv")),
+    CHECK_THAT(failure<3>("", "1,0,0", "f.csv"),
                axis && Contains("'1,0,0'") && field && Contains("'f.csv'"));
-    CHECK_THAT(failure<3>(recipeOf("isotropic", "1,0,0")),
+    CHECK_THAT(failure<3>("isotropic", "1,0,0"),
                angles && axis && Contains("'1,0,0'") && Contains("tz="));
-    CHECK_THAT(failure<2>(recipeOf("isotropic", "", "f.csv")),
+    CHECK_THAT(failure<2>("isotropic", "", "f.csv"),
                angles && field && Contains("'f.csv'") && Contains("phi="));
-    CHECK_THAT(failure<3>(recipeOf("phi=1")), angles && Contains("'phi=1'") && Contains("tz="));
-    CHECK_THAT(failure<2>(recipeOf("tz=1;tx=2")), angles && Contains("'tz=1'") && Contains("phi="));
-    CHECK_THAT(failure<3>(recipeOf("tz=1;tz=2")), angles && Contains("'tz'"));
-    CHECK_THAT(failure<3>(recipeOf("tz=1;")), Contains("''"));
-    CHECK_THAT(failure<3>(recipeOf("tz")), Contains("'tz'"));
-    CHECK_THAT(failure<3>(recipeOf("everywhere")), Contains("'everywhere'"));
+    CHECK_THAT(failure<3>("phi=1"), angles && Contains("'phi=1'") && Contains("tz="));
+    CHECK_THAT(failure<2>("tz=1;tx=2"), angles && Contains("'tz=1;tx=2'") && Contains("phi="));
+    CHECK_THAT(failure<3>("tz=1;tz=2"), angles && Contains("'tz'"));
+    CHECK_THAT(failure<3>("tz=1;"), Contains("''"));
+    CHECK_THAT(failure<3>("tz"), Contains("'tz'"));
+    CHECK_THAT(failure<3>("everywhere"), Contains("'everywhere'"));
 
-    CHECK_THAT(failure<3>(recipeOf("", "1,0")),
-               axis && Contains("'1,0'") && Contains("2 components"));
-    CHECK_THAT(failure<3>(recipeOf("", "0,0,0")), axis && Contains("X,Y,Z"));
-    CHECK_THAT(failure<3>(recipeOf("", "1,inf,0")), Contains("'inf'"));
-    CHECK_THAT(failure<3>(recipeOf("", "1,,0")), Contains("''"));
-    CHECK_THAT(failure<2>(recipeOf("", "0,0,1")), axis && Contains("plane"));
+    CHECK_THAT(failure<3>("", "1,0"), axis && Contains("'1,0'") && Contains("2 components"));
+    CHECK_THAT(failure<3>("", "0,0,0"), axis && Contains("X,Y,Z"));
+    CHECK_THAT(failure<3>("", "1,inf,0"), Contains("'inf'"));
+    CHECK_THAT(failure<3>("", "1,,0"), Contains("''"));
+    CHECK_THAT(failure<2>("", "0,0,1"), axis && Contains("plane"));
 }
 
 TEST_CASE("a malformed distribution of angles is refused with its text and value") {
-    const auto angle = [](const std::string& spec) { return failure<2>(recipeOf("phi=" + spec)); };
+    const auto angle = [](const std::string& spec) { return failure<2>("phi=" + spec); };
     CHECK_THAT(angle("uniform:1"), Contains("'uniform:1'") && Contains("constant:V"));
     CHECK_THAT(angle("lognormal:1,2"), Contains("'lognormal:1,2'"));
     CHECK_THAT(angle("uniform:1,x"), Contains("'x'") && Contains("constant:V"));

@@ -4,6 +4,8 @@
 #include "support/random_point.h"
 #include "support/test.h"
 
+#include "vdbpack/voids/scalar_field.h"
+
 #include <fmt/format.h>
 
 namespace {

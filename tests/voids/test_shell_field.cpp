@@ -175,7 +175,7 @@ TEST_CASE("a shell that varies sets regions alone, of spheres that are carved an
         REQUIRE((circles.region[i] == 1) == (kRadius - length(x) > shell.at(x)));
     }
     recipe.domain.source = "ball:5";
-    recipe.radius = "uniform:0.2,0.4";
+    recipe.radius = SizeRequest::parse("uniform:0.2,0.4");
     recipe.request = {};
     runPack(recipe);
     auto carve = onPack<CarveJob>(file.folder.file("p.csv"), "ball:5", file.folder.file("c.csv"));

@@ -85,7 +85,7 @@ TEST_CASE("a foam is like a sample that was made by other means", "[.slow]") {
     const bool foam = made.request.method == "foam", overlay = made.request.method == "overlay";
     made.request.radius = foam ? "uniform:0.25,0.5" : "uniform:0.22,0.35";
     made.request.aspect = "constant:1.5";
-    made.request.orientation.axis = "1,0,0";
+    made.request.orientation.axis = VoidAxis::parse("1,0,0");
     if (!overlay) made.request.targetBvtv = foam ? 0.16 : 0.3;
     made.request.voxelSize = 0.05;
     made.seed = 7;

@@ -2,6 +2,7 @@
 #include "support/jobs.h"
 #include "support/test.h"
 
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/voids/void_list.h"
 
 namespace {
@@ -35,18 +36,18 @@ TEST_CASE("the direction wanted is the direction found", "[long]") {
     const Box<3> box{{{-8, -8, -8}}, {{8, 8, 8}}};
     const auto seed = GENERATE(1u, 2u);
     recipe.seed = seed;
-    recipe.request.orientation.axis = "0,0,1";
+    recipe.request.orientation.axis = VoidAxis::parse("0,0,1");
     runVoids(recipe);
     const auto along = fabricIn(folder.file("v.vdb"), box);
     INFO("DA " << along.degree << ", " << degreesBetween(along.axes[0], {{0, 0, 1}}) << " degrees");
     CHECK(degreesBetween(along.axes[0], {{0, 0, 1}}) < 5);
     CHECK(along.degree > 0.3);
-    recipe.request.orientation.axis = "1,-2,0.5";
+    recipe.request.orientation.axis = VoidAxis::parse("1,-2,0.5");
     runVoids(recipe);
     CHECK(degreesBetween(fabricIn(folder.file("v.vdb"), box).axes[0],
                          normalized(Vec<3>{{1, -2, 0.5}})) < 5);
     recipe.request.orientation = {};
-    recipe.request.orientation.angles = "isotropic";
+    recipe.request.orientation.angles = VoidAngles::parse("isotropic");
     runVoids(recipe);
     const auto none = fabricIn(folder.file("v.vdb"), box);
     INFO("isotropic: DA " << none.degree);

@@ -7,6 +7,7 @@
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/voids/void_field.h"
+#include "vdbpack/voids/void_list.h"
 
 namespace {
 
@@ -14,7 +15,7 @@ template <int Dim>
 VoidShape<Dim> shapeOf(const std::string& radius, const std::string& aspect, const Box<Dim>& bounds,
                        const std::string& angles = "isotropic") {
     OrientationRecipe orientation;
-    orientation.angles = angles;
+    orientation.angles = VoidAngles::parse(angles);
     return {SizeDistribution::parse(radius, Dim), SizeDistribution::parse(aspect, Dim),
             makeOrientation<Dim>(orientation, bounds)};
 }

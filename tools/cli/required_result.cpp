@@ -32,8 +32,7 @@ template <class Recipe>
 std::string offeredFile(const Recipe& recipe) {
     const std::string& domain = recipe.domain.source;
     const bool plane =
-        !recipe.domain.slice.empty() || startsWith(domain, "rect:") ||
-        startsWith(domain, "disc:") ||
+        recipe.domain.slice || startsWith(domain, "rect:") || startsWith(domain, "disc:") ||
         (startsWith(domain, "periodic:") && std::count(domain.begin(), domain.end(), ',') == 1);
     if constexpr (std::is_same_v<Recipe, PackJob>)
         return offeredFile(

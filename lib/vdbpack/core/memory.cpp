@@ -87,6 +87,14 @@ double residentMemory() {
     return statusOf("VmRSS:");
 }
 
+std::uint64_t peakMemory() {
+    // What getrusage says goes back to before the program was started, by one that may hold more.
+    if (const double held = statusOf("VmHWM:"); held > 0) return static_cast<std::uint64_t>(held);
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
 void returnFreedMemory() {
 #ifdef __GLIBC__
     ::malloc_trim(0);

@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/progress.h"
 
+#include <cstdint>
 #include <string>
 
 namespace vdbpack {
@@ -16,6 +17,9 @@ double availableMemory();
 
 /// Bytes of memory that this process holds now; 0 where the system does not report it.
 double residentMemory();
+
+/// Peak memory of this process, bytes.
+std::uint64_t peakMemory();
 
 /// Returns what was freed in small pieces to the system, which the allocator keeps otherwise; a
 /// millisecond for each 10 MB or so.

@@ -21,12 +21,17 @@
 
 namespace vdbpack {
 
+/// The number of threads for a request; 0: all cores.
+inline int effectiveThreads(int threads) {
+    return threads > 0 ? threads : tbb::info::default_concurrency();
+}
+
 /// Runs `work()` with `threads` threads, more than the machine has cores if asked; 0: all cores.
 /// TBB algorithms inside use just these. @return what `work` returns; its exceptions pass through.
 /// @param beside  further threads that an arena inside may have.
 template <class Work>
 auto withThreads(int threads, Work work, int beside = 0) {
-    const int count = threads > 0 ? threads : tbb::info::default_concurrency();
+    const int count = effectiveThreads(threads);
     // Without this, TBB never starts more workers than there are cores.
     const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
                                       static_cast<std::size_t>(count + beside));

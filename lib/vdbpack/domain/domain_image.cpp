@@ -1,7 +1,6 @@
 #include "vdbpack/domain/domain_image.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/image/image_file.h"
 
 #include <fmt/format.h>
@@ -61,7 +60,7 @@ LabelPart selectedPart(const DomainRecipe& recipe,
 Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
     ImageReadOptions options;
     options.callbacks = callbacks;
-    if (!recipe.voxelSpacing.empty()) options.spacing = parseVoxelSpacing(recipe.voxelSpacing);
+    options.spacing = recipe.voxelSpacing;
     Image image = recipe.image ? *recipe.image : readImage(recipe.source, options);
     const double scale = recipe.scale * millimetersPer(recipe.unit);
     image.grid.origin *= scale;

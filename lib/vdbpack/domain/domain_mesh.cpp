@@ -56,13 +56,12 @@ const Vec<3>* strayVertex(const TriangleMesh& vertices, const TriangleMesh& soli
 }  // namespace
 
 std::vector<std::string> domainInputs(const DomainRecipe& recipe) {
-    return {isInMemory(recipe) ? "" : recipe.source, parseCavities(recipe.cavities).inner};
+    return {isInMemory(recipe) ? "" : recipe.source, recipe.cavities.inner};
 }
 
 RepairOptions repairOptions(const DomainRecipe& recipe) {
     RepairOptions options;
-    options.nested =
-        parseCavities(recipe.cavities).fill ? NestedShells::solid : NestedShells::cavity;
+    options.nested = recipe.cavities.fill ? NestedShells::solid : NestedShells::cavity;
     options.components = recipe.repairComponents;
     options.voxelSize = recipe.repairVoxel;
     options.name = recipe.source;
@@ -71,7 +70,7 @@ RepairOptions repairOptions(const DomainRecipe& recipe) {
 
 TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                             std::shared_ptr<const RepairReport>& report) {
-    const CavityChoice cavities = parseCavities(recipe.cavities);
+    const Cavities& cavities = recipe.cavities;
     const std::string& file = recipe.source;
     if (!cavities.outer.empty() && cavities.outer != file)
         throw ParameterError(fmt::format(

@@ -1,10 +1,12 @@
 // What DOMAIN and the options about it say.
 #pragma once
 
+#include "vdbpack/core/box.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/repair/mesh_repair.h"
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +25,21 @@ enum class ShellFrom { walls, outer };
 /// as in DICOM, or x to the right and y to the front as in NIfTI.
 enum class ImageSpace { lps, ras };
 
+/// A part of space that is kept.
+struct Clip {
+    std::string text;                  ///< as `parseClip` reads it
+    std::vector<HalfSpace<3>> planes;  ///< whose intersection it is, mm
+};
+
+/// What lies inside closed components of the surface that are inside others: nothing, the same as
+/// around them (`fill`), or `outer` (empty: the mesh of the domain) without the inside of `inner`.
+struct Cavities {
+    bool fill = false;
+    std::string outer, inner;  ///< files; empty: none
+
+    bool any() const { return fill || !inner.empty(); }
+};
+
 /// What DOMAIN and the options about it say.
 struct DomainRecipe {
     /// A file (.stl .obj .ply .off .vtp .vtk .vdb), an image (`namesImage`) or a shape:
@@ -40,21 +57,18 @@ struct DomainRecipe {
     /// Value at the surface, of a fog volume in a .vdb or of an image.
     std::optional<double> threshold;
     std::string label;  ///< of an image: a value or a name, or several joined by "+"
-    /// "X,Y,Z" or "D", mm: distances of the voxels of an image that states none, else of
-    /// label maps that are written; empty: the distances that the image states.
-    std::string voxelSpacing;
+    /// Distances of the voxels of an image that states none, else of label maps that are written,
+    /// mm; nothing: the distances that the image states.
+    std::optional<Vec<3>> voxelSpacing;
     ImageSpace space = ImageSpace::lps;  ///< of an image
-    std::string slice;                   ///< "z=V" (mm): a plane of the domain; empty: all of it
-    std::vector<std::string> clips;      ///< "box:x0,y0,z0,x1,y1,z1" or "plane:nx,ny,nz,d" (mm)
-    std::string periodic;                ///< axes along which a box or rectangle repeats: "xy"
+    std::optional<double> slice;         ///< height z of a plane of the domain, mm; nothing: all
+    std::vector<Clip> clips;             ///< only what lies in all of them is kept
+    std::array<bool, 3> periodic{};      ///< axes along which a box or rectangle repeats
     double voxelSize = 0;                ///< mm; 0: chosen
     bool repair = false;                 ///< the mesh, by repair/mesh_repair.h
     double repairVoxel = 0;              ///< mm; 0: chosen
     RepairComponents repairComponents = RepairComponents::together;
-    /// What lies inside closed components of the surface that are inside others: "keep" (empty;
-    /// also the meaning of ""), "fill", or "[outer=FILE,]inner=FILE": the inside of one mesh
-    /// without the inside of another.
-    std::string cavities;
+    Cavities cavities;
     ShellFrom shellFrom = ShellFrom::walls;
 };
 
@@ -64,13 +78,6 @@ bool isImage(const DomainRecipe& recipe);
 inline bool isInMemory(const DomainRecipe& recipe) {
     return recipe.mesh || recipe.image || recipe.levelSet;
 }
-
-/// The meaning of `DomainRecipe::cavities`. @throws ParameterError if malformed.
-struct CavityChoice {
-    bool fill = false;
-    std::string outer, inner;  ///< files; empty: none
-};
-CavityChoice parseCavities(const std::string& text);
 
 /// The file, label or shape of a recipe, for people.
 std::string describe(const DomainRecipe& recipe);

@@ -9,7 +9,6 @@
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/mesh/coordinate_step.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/mesh/mesh_shells.h"
@@ -29,8 +28,6 @@ namespace {
 
 /// A requested voxel size is used if it is within these factors of the default.
 constexpr double kFinest = 0.6, kCoarsest = 1.3;
-/// Diagonal below which voxels in 32-bit floats have no digits left, mm.
-constexpr double kSmallestExtent = 1e-4;
 /// Points by which the volume of a clipped mesh is estimated, to about 1 %, and the steps between
 /// them.
 constexpr std::size_t kVolumePoints = 20000;
@@ -81,30 +78,12 @@ WallShape<2> planeWall(const NamedShape& shape) {
     return wall;
 }
 
-/// Steps between coordinates larger than this share of an edge are steps in the surface; those of a
-/// mesh about the origin (within so many of its lengths) are how it was made.
-constexpr double kStepOfEdge = 0.02, kFarOff = 20;
-
-void warnOfLostDigits(const TriangleMesh& mesh, const DomainRecipe& recipe,
-                      const Callbacks& callbacks) {
-    const Box<3> box = mesh.bounds();
-    const double extent = length(box.size()), away = length(box.center());
-    if (!(away > kFarOff * extent)) return;
-    const double step = coordinateStep(mesh, recipe.scale * millimetersPer(recipe.unit));
-    const double edge = medianEdge(mesh);
-    if (!(step > kStepOfEdge * edge)) return;
-    callbacks.warn(fmt::format(
-        "{}: lies {:.3g} mm from the origin, and its coordinates come in steps of {:.2g} mm, with "
-        "edges of {:.2g} mm: the file itself has lost digits of the shape; move the mesh to the "
-        "origin where it was made, and export it again",
-        recipe.source, away, step, edge));
-}
-
 /// @throws ParameterError for axes along which no box is to repeat.
 void requireShape(const DomainRecipe& recipe) {
-    if (recipe.periodic.empty()) return;
+    const std::string axes = textOf(recipe.periodic);
+    if (axes.empty()) return;
     throw ParameterError(fmt::format(
-        "`periodic` {}: {} is no shape; it is for box: and rect:", recipe.periodic, recipe.source));
+        "`periodic` {}: {} is no shape; it is for box: and rect:", axes, recipe.source));
 }
 
 /// The level set of a .vdb. @throws InputError, which asks for a threshold if there is a fog volume
@@ -126,66 +105,66 @@ std::shared_ptr<const VdbGrid> domainLevelSet(const DomainRecipe& recipe, double
 
 DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks)
     : recipe_(recipe) {
-    const std::string& text = recipe.source;
-    for (const auto& clip : recipe.clips)
-        for (const auto& plane : parseClip(clip)) clips_.push_back(plane);
-    if (!recipe.slice.empty()) slice_ = parseSlice(recipe.slice);
+    takeCuts();
     if (!(recipe.scale > 0) || !std::isfinite(recipe.scale))
         throw ParameterError(fmt::format("`scale` {} must be positive", recipe.scale));
-
-    if (isInMemory(recipe)) {
-        requireShape(recipe);
-        if (recipe.levelSet) {
-            levelSet_ = recipe.levelSet;
-            mesh_ = levelSetMesh(*levelSet_, text);
-        } else {
-            mesh_ = recipe.image ? imageMesh(recipe, callbacks, imageGrid_, spaced_)
-                                 : readDomainMesh(recipe, callbacks, repair_);
+    if (!isInMemory(recipe)) {
+        const std::string& text = recipe.source;
+        if (const auto shape = parseShape(text, recipe.periodic)) {
+            takeShape(*shape);
+            return;
         }
-        takeMesh(callbacks);
-        return;
-    }
-    if (const auto shape = parseShape(text, recipe.periodic)) {
-        space_ = shape->space;
-        plane_ = shape->plane;
-        if (plane_)
-            wall2_ = planeWall(*shape);
-        else
-            wall3_ = spaceWall(*shape);
-        if (slice_ && plane_)
-            throw ParameterError("`slice` cuts a domain of space; '" + text + "' is plane already");
-        if (isPeriodic() && (slice_ || !clips_.empty()))
-            throw ParameterError(fmt::format("`{}`: {} is periodic; it cannot be cut",
-                                             slice_ ? "slice" : "clips", text));
-        return;
+        std::error_code ignored;
+        if (namesUnknownShape(text) && !std::filesystem::exists(text, ignored))
+            throw ParameterError(fmt::format(
+                "'{}' is neither a file nor a shape. The shapes are {}", text, kShapeForms));
     }
     requireShape(recipe);
-    std::error_code ignored;
-    if (namesUnknownShape(text) && !std::filesystem::exists(text, ignored))
-        throw ParameterError(fmt::format("'{}' is neither a file nor a shape. The shapes are {}",
-                                         text, kShapeForms));
-    const double scale = recipe.scale * millimetersPer(recipe.unit);
-    if (extensionOf(text) == ".vdb" && recipe.threshold) {
-        mesh_ = fogVolumeMesh(text, recipe.gridName, scale, *recipe.threshold);
-    } else if (extensionOf(text) == ".vdb") {
-        levelSet_ = domainLevelSet(recipe, scale);
-        mesh_ = levelSetMesh(*levelSet_, text);
-    } else if (namesImage(text)) {
-        mesh_ = imageMesh(recipe, callbacks, imageGrid_, spaced_);
+    takeSurface(callbacks);
+}
+
+void DomainSource::takeShape(const NamedShape& shape) {
+    space_ = shape.space;
+    plane_ = shape.plane;
+    if (plane_)
+        wall2_ = planeWall(shape);
+    else
+        wall3_ = spaceWall(shape);
+    const std::string& text = recipe_.source;
+    if (recipe_.slice && plane_)
+        throw ParameterError("`slice` cuts a domain of space; '" + text + "' is plane already");
+    if (isPeriodic() && (recipe_.slice || !clips_.empty()))
+        throw ParameterError(fmt::format("`{}`: {} is periodic; it cannot be cut",
+                                         recipe_.slice ? "slice" : "clips", text));
+}
+
+void DomainSource::takeSurface(const Callbacks& callbacks) {
+    const double scale = recipe_.scale * millimetersPer(recipe_.unit);
+    const bool isFile = !isInMemory(recipe_);
+    const bool isVdb = isFile && extensionOf(recipe_.source) == ".vdb";
+    if (isVdb && recipe_.threshold) {
+        mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, scale, *recipe_.threshold);
+    } else if (isVdb || recipe_.levelSet) {
+        levelSet_ = isVdb ? domainLevelSet(recipe_, scale) : recipe_.levelSet;
+        mesh_ = levelSetMesh(*levelSet_, recipe_.source);
     } else {
-        mesh_ = readDomainMesh(recipe, callbacks, repair_);
+        mesh_ = isImage(recipe_) ? imageMesh(recipe_, callbacks, imageGrid_, spaced_)
+                                 : readDomainMesh(recipe_, callbacks, repair_);
     }
     takeMesh(callbacks);
-    if (!levelSet_ && !namesImage(text)) warnOfLostDigits(*mesh_, recipe, callbacks);
+    if (isFile && !levelSet_ && !isImage(recipe_)) warnOfLostDigits(*mesh_, recipe_, callbacks);
 }
 
 DomainSource::DomainSource(const DomainRecipe& recipe, TriangleMesh mesh,
                            const Callbacks& callbacks)
     : recipe_(recipe), mesh_(std::move(mesh)) {
-    for (const auto& clip : recipe.clips)
-        for (const auto& plane : parseClip(clip)) clips_.push_back(plane);
-    if (!recipe.slice.empty()) slice_ = parseSlice(recipe.slice);
+    takeCuts();
     takeMesh(callbacks);
+}
+
+void DomainSource::takeCuts() {
+    for (const Clip& clip : recipe_.clips)
+        clips_.insert(clips_.end(), clip.planes.begin(), clip.planes.end());
 }
 
 void DomainSource::takeMesh(const Callbacks& callbacks) {
@@ -197,7 +176,7 @@ void DomainSource::takeMesh(const Callbacks& callbacks) {
 
 void DomainSource::cutBy(const DomainSource& other) {
     for (const DomainSource* one : {static_cast<const DomainSource*>(this), &other})
-        if (!one->mesh_ || one->slice_ || (one == &other && !one->clips_.empty()))
+        if (!one->mesh_ || one->recipe_.slice || (one == &other && !one->clips_.empty()))
             throw ParameterError(one->recipe_.source +
                                  ": overlaps another part; only meshes and images can, without "
                                  "`slice`, and without `clips` of the part that is listed later");
@@ -214,20 +193,6 @@ void DomainSource::cutBy(const DomainSource& other) {
         std::make_shared<const DomainSource>(recipe, std::move(around), Callbacks{}));
 }
 
-void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks& callbacks) {
-    const double extent = length(bounds.size());
-    if (!(extent > kSmallestExtent))
-        throw InputError(fmt::format(
-            "{}: is {:.3g} mm across, too small to compute with; the file is read in {}: check "
-            "`unit` and `scale`",
-            recipe.source, extent, unitName(recipe.unit)));
-    if (extent < 2 || extent > 5000)
-        callbacks.warn(fmt::format(
-            "{}: is {:.3g} mm across, which is unlikely for a bone; the file is read in {}: give "
-            "`unit` m, cm, mm or um if that is wrong",
-            recipe.source, extent, unitName(recipe.unit)));
-}
-
 DomainSource::DomainSource(TriangleMesh mesh, const std::string& name, double voxelSize)
     : mesh_(std::move(mesh)), sound_(true) {
     recipe_.source = name;
@@ -236,38 +201,8 @@ DomainSource::DomainSource(TriangleMesh mesh, const std::string& name, double vo
     analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
 }
 
-void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
-                  const Callbacks& callbacks) {
-    const std::string& text = recipe.source;
-    const bool levelSet = extensionOf(text) == ".vdb" || recipe.levelSet;
-    if (!recipe.gridName.empty() && !levelSet)
-        callbacks.warn("`gridName` " + recipe.gridName + " has no effect: " + text + " is no .vdb");
-    const bool image = source.isFile() && isImage(recipe);
-    if (recipe.threshold && !levelSet && !image)
-        callbacks.warn(fmt::format("`threshold` {:g} has no effect: {} is no .vdb and no image",
-                                   *recipe.threshold, text));
-    if (!image && !recipe.label.empty())
-        callbacks.warn("`label` " + recipe.label + " has no effect: " + text + " is no image");
-    if ((levelSet || image) && (recipe.repair || !recipe.cavities.empty()))
-        callbacks.warn("`repair` and `cavities` have no effect: " + text +
-                       (image ? " is an image" : " is a level set"));
-    if (recipe.shellFrom == ShellFrom::outer && recipe.clips.empty() && !source.hasCavities())
-        callbacks.warn("`shellFrom` outer changes nothing: " + text +
-                       " has neither cavities nor clips");
-    if (source.isFile()) return;
-    if (recipe.repair || !recipe.cavities.empty())
-        callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a shape");
-    if (recipe.unit != Unit::millimeter)
-        callbacks.warn("`unit` has no effect: " + text + " is a shape, in mm");
-    if (recipe.voxelSize > 0)
-        callbacks.warn(
-            fmt::format("`voxelSize` {:g} has no effect: {} is a shape, whose distances are exact",
-                        recipe.voxelSize, text));
-    if (recipe.scale != 1) callbacks.warn("`scale` has no effect: " + text + " is a shape, in mm");
-}
-
 int DomainSource::dim() const {
-    return plane_ || slice_ ? 2 : 3;
+    return plane_ || recipe_.slice ? 2 : 3;
 }
 
 double DomainSource::fileVolume() const {
@@ -275,7 +210,7 @@ double DomainSource::fileVolume() const {
 }
 
 double DomainSource::volume() const {
-    if (plane_ || slice_) return build(0, 0).plane->volume();
+    if (plane_ || recipe_.slice) return build(0, 0).plane->volume();
     if (space_) return build(0, 0).space->volume();
     return fileVolume();
 }
@@ -392,12 +327,12 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
                                : meshDomain(*mesh_, options, callbacks);
     }
     built.space = built.mesh ? std::static_pointer_cast<const Domain<3>>(built.mesh) : space_;
-    if (slice_) {
-        built.sliceHeight = *slice_;
-        built.plane = sliceDomain(built.space, *slice_);
+    if (recipe_.slice) {
+        built.sliceHeight = *recipe_.slice;
+        built.plane = sliceDomain(built.space, *recipe_.slice);
         if (!clips_.empty())
-            built.plane =
-                clippedDomain<2>(built.plane, inPlane(clips_, *slice_), envelopeOf(built.plane));
+            built.plane = clippedDomain<2>(built.plane, inPlane(clips_, *recipe_.slice),
+                                           envelopeOf(built.plane));
         built.space = nullptr;
     } else if (!clips_.empty()) {
         built.space = clippedDomain<3>(built.space, clips_, envelopeOf(built.space));
@@ -432,15 +367,15 @@ ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<3>>& spheres,
 ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles,
                                          std::vector<double>* distances) const {
     if (wall2_ || wall3_) {
-        auto wall = wall2_ ? wall2_ : sliceShape(*wall3_, *slice_);
+        auto wall = wall2_ ? wall2_ : sliceShape(*wall3_, *recipe_.slice);
         if (!wall)
             throw InputError(fmt::format("`slice` z={} mm misses {}; choose a height within it",
-                                         *slice_, recipe_.source));
-        wall->clips = inPlane(clips_, slice_.value_or(0));
+                                         *recipe_.slice, recipe_.source));
+        wall->clips = inPlane(clips_, recipe_.slice.value_or(0));
         return checkProtrusion(circles, *wall);
     }
-    return checkProtrusion(circles, sliceSegments(*mesh_, *slice_), inPlane(clips_, *slice_),
-                           distances);
+    return checkProtrusion(circles, sliceSegments(*mesh_, *recipe_.slice),
+                           inPlane(clips_, *recipe_.slice), distances);
 }
 
 std::vector<float> DomainSource::depths(const std::vector<Sphere<3>>& spheres,
@@ -453,7 +388,7 @@ std::vector<float> DomainSource::depths(const std::vector<Sphere<2>>& circles,
                                         const Domain<2>& domain,
                                         const std::vector<double>& distances) const {
     return centerDepths<2>(circles, domain, distances,
-                           mesh_ ? inPlane(clips_, *slice_) : std::vector<HalfSpace<2>>{});
+                           mesh_ ? inPlane(clips_, *recipe_.slice) : std::vector<HalfSpace<2>>{});
 }
 
 }  // namespace vdbpack

@@ -11,7 +11,6 @@
 #include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/verify/verify.h"
 
-#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,6 +34,10 @@ RepairOptions repairOptions(const DomainRecipe& recipe);
 /// with.
 void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks& callbacks);
 
+/// Warns of a mesh far from the origin whose file has lost digits of its shape.
+void warnOfLostDigits(const TriangleMesh& mesh, const DomainRecipe& recipe,
+                      const Callbacks& callbacks);
+
 /// A field that would be made of a file, and of what.
 struct FieldPlan {
     std::uint64_t triangles = 0, vertices = 0;  ///< 0: no field is made, the domain is a shape
@@ -46,6 +49,8 @@ struct FieldPlan {
     /// About the voxels in the leaves of its tree, which reach beyond the wall and the depth.
     double voxels() const;
 };
+
+struct NamedShape;
 
 /// A shape or the content of a file, before radii are known.
 class DomainSource {
@@ -135,8 +140,10 @@ private:
     std::optional<WallShape<3>> wall3_;  ///< the same for checks
     std::optional<WallShape<2>> wall2_;
     std::vector<HalfSpace<3>> clips_;
-    std::optional<double> slice_;
     std::vector<std::shared_ptr<const DomainSource>> outsides_;  ///< of what cuts the domain
+    void takeCuts();
+    void takeShape(const NamedShape& shape);
+    void takeSurface(const Callbacks& callbacks);
     void takeMesh(const Callbacks& callbacks);
     FieldOptions fieldOptions(double minRadius, double maxRadius, double voxelSize) const;
     /// `mesh_` with its cavities filled.

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstddef>
+#include <string_view>
 #include <utility>
 
 namespace vdbpack {
@@ -44,18 +45,9 @@ Box<Dim> boxFrom(const std::string& what, const std::vector<double>& v, const ch
     return box;
 }
 
-/// The axes in a text such as "xy". @throws ParameterError
-std::array<bool, 3> axesIn(const std::string& axes, int dim) {
-    std::array<bool, 3> found{};
-    for (const char c : axes) {
-        const auto at = std::string("xyz").substr(0, static_cast<std::size_t>(dim)).find(c);
-        if (at == std::string::npos || found[at])
-            throw ParameterError(
-                fmt::format("`periodic` '{}' is malformed; write each axis once: {}", axes,
-                            dim == 3 ? "x, y, z, xy, xz, yz or xyz" : "x, y or xy"));
-        found[at] = true;
-    }
-    return found;
+[[noreturn]] void malformedAxes(const std::string& axes, const char* all) {
+    throw ParameterError(
+        fmt::format("`periodic` '{}' is malformed; write each axis once: {}", axes, all));
 }
 
 template <int Dim>
@@ -98,16 +90,16 @@ bool namesUnknownShape(const std::string& text) {
     return word && parseNumberList(text.substr(colon + 1)) && !parseShape(text);
 }
 
-std::vector<HalfSpace<3>> parseClip(const std::string& text) {
+Clip parseClip(const std::string& text) {
     const char* form = "box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (keeps n.x <= d)";
     const std::string what = fmt::format("`clips` '{}'", text);
     const auto colon = text.find(':');
     const std::string kind = text.substr(0, colon);
     if (colon == std::string::npos || (kind != "box" && kind != "plane")) malformed(what, form);
     const auto v = numbersIn(what, text.substr(colon + 1), form);
-    if (kind == "box") return halfSpacesOf(boxFrom<3>(what, v, form));
+    if (kind == "box") return {text, halfSpacesOf(boxFrom<3>(what, v, form))};
     if (v.size() != 4) malformed(what, form);
-    return {{{{v[0], v[1], v[2]}}, v[3]}};
+    return {text, {{{{v[0], v[1], v[2]}}, v[3]}}};
 }
 
 double parseSlice(const std::string& text) {
@@ -116,6 +108,58 @@ double parseSlice(const std::string& text) {
     const auto v = numbersIn(what, text.substr(2), "z=V");
     if (v.size() != 1) malformed(what, "z=V");
     return v[0];
+}
+
+std::array<bool, 3> parseAxes(const std::string& text) {
+    std::array<bool, 3> axes{};
+    for (const char c : text) {
+        const auto at = std::string_view("xyz").find(c);
+        if (at == std::string_view::npos || axes[at])
+            malformedAxes(text, "x, y, z, xy, xz, yz or xyz");
+        axes[at] = true;
+    }
+    if (text.empty()) malformedAxes(text, "x, y, z, xy, xz, yz or xyz");
+    return axes;
+}
+
+std::string textOf(const std::array<bool, 3>& axes) {
+    std::string text;
+    for (std::size_t d = 0; d < 3; ++d)
+        if (axes[d]) text += "xyz"[d];
+    return text;
+}
+
+Cavities parseCavities(const std::string& text) {
+    Cavities choice;
+    if (text == "keep") return choice;
+    if (text == "fill") {
+        choice.fill = true;
+        return choice;
+    }
+    const std::string outer = "outer=", inner = "inner=";
+    std::string rest = text;
+    if (rest.rfind(outer, 0) == 0) {
+        const auto end = rest.find("," + inner);
+        choice.outer =
+            rest.substr(outer.size(), end == std::string::npos ? end : end - outer.size());
+        rest = end == std::string::npos ? "" : rest.substr(end + 1);
+    }
+    if (rest.rfind(inner, 0) == 0) choice.inner = rest.substr(inner.size());
+    if (choice.inner.empty() || (text.rfind(outer, 0) == 0 && choice.outer.empty()))
+        throw ParameterError("`cavities` " + text +
+                             ": write keep, fill, inner=FILE or outer=FILE,inner=FILE");
+    return choice;
+}
+
+std::string textOf(const Cavities& cavities) {
+    if (cavities.fill) return "fill";
+    if (cavities.inner.empty()) return {};
+    const std::string inner = "inner=" + cavities.inner;
+    return cavities.outer.empty() ? inner : "outer=" + cavities.outer + ',' + inner;
+}
+
+std::string textOf(const Vec<3>& spacing) {
+    return fmt::format("{}", fmt::join(spacing.c, ","));
 }
 
 Vec<3> parseVoxelSpacing(const std::string& text) {
@@ -127,28 +171,29 @@ Vec<3> parseVoxelSpacing(const std::string& text) {
     return {{v[0], v[1], v[2]}};
 }
 
-std::optional<NamedShape> parseShape(const std::string& text, const std::string& periodic) {
+std::optional<NamedShape> parseShape(const std::string& text, const std::array<bool, 3>& periodic) {
     const auto colon = text.find(':');
     if (colon == std::string::npos) return std::nullopt;
     const std::string kind = text.substr(0, colon), rest = text.substr(colon + 1);
     const std::string what = fmt::format("'{}'", text);
     NamedShape shape;
-    if (!periodic.empty() && kind != "box" && kind != "rect")
+    if (const std::string axes = textOf(periodic); !axes.empty() && kind != "box" && kind != "rect")
         throw ParameterError(fmt::format(
-            "`periodic` {}: {} is {}; it is for box: and rect:", periodic, what,
+            "`periodic` {}: {} is {}; it is for box: and rect:", axes, what,
             kind == "periodic" ? "periodic along all axes already" : "no box and no rectangle"));
     if (kind == "periodic") return periodicShape(what, rest);
     if (kind == "box") {
         const char* form = "box:LX,LY,LZ or box:x0,y0,z0,x1,y1,z1";
         shape.kind = NamedShape::Kind::box;
         shape.box = boxFrom<3>(what, numbersIn(what, rest, form), form);
-        shape.wraps = axesIn(periodic, 3);
+        shape.wraps = periodic;
         shape.space = boxWith<3>(shape.box, shape.wraps);
     } else if (kind == "rect") {
         const char* form = "rect:W,H or rect:x0,y0,x1,y1";
         shape.kind = NamedShape::Kind::rect;
         shape.rect = boxFrom<2>(what, numbersIn(what, rest, form), form);
-        shape.wraps = axesIn(periodic, 2);
+        if (periodic[2]) malformedAxes(textOf(periodic), "x, y or xy");
+        shape.wraps = periodic;
         shape.plane = boxWith<2>(shape.rect, shape.wraps);
     } else if (kind == "cylinder") {
         const auto v = numbersIn(what, rest, "cylinder:R,H");

@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/domain/domain_recipe.h"
 
 #include <array>
 #include <memory>
@@ -29,9 +30,10 @@ struct NamedShape {
 /// box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R
 /// periodic:LX,LY,LZ (a box) periodic:LX,LY (a rectangle), lengths in mm. Nothing for a text that
 /// begins with none of these words: it is the name of a file.
-/// @param periodic  axes along which a box or rectangle repeats: "x", "yz", ...; empty: none.
+/// @param periodic  axes along which a box or rectangle repeats.
 /// @throws ParameterError if the numbers are malformed or make no shape, or the axes are none of it
-std::optional<NamedShape> parseShape(const std::string& text, const std::string& periodic = {});
+std::optional<NamedShape> parseShape(const std::string& text,
+                                     const std::array<bool, 3>& periodic = {});
 
 /// Whether a text reads as a shape, a word and numbers ("cube:10"), though none that there is.
 bool namesUnknownShape(const std::string& text);
@@ -40,12 +42,21 @@ extern const char* const kShapeForms;
 
 /// box:x0,y0,z0,x1,y1,z1 or box:LX,LY,LZ (six half-spaces), or plane:nx,ny,nz,d (one: n.x <= d
 /// is kept), mm. @throws ParameterError
-std::vector<HalfSpace<3>> parseClip(const std::string& text);
+Clip parseClip(const std::string& text);
 
 /// The height in z=V, mm. @throws ParameterError
 double parseSlice(const std::string& text);
 
+/// The axes in a text such as "x" or "yz". @throws ParameterError
+std::array<bool, 3> parseAxes(const std::string& text);
+std::string textOf(const std::array<bool, 3>& axes);
+
+/// keep, fill, inner=FILE or outer=FILE,inner=FILE. @throws ParameterError
+Cavities parseCavities(const std::string& text);
+std::string textOf(const Cavities& cavities);
+
 /// The distances of voxels in X,Y,Z, or in D for all three, mm. @throws ParameterError
 Vec<3> parseVoxelSpacing(const std::string& text);
+std::string textOf(const Vec<3>& spacing);
 
 }  // namespace vdbpack

@@ -16,7 +16,7 @@ template <int Dim>
 using Facet = std::array<Vec<Dim>, static_cast<std::size_t>(Dim)>;
 
 template <std::size_t Dim>
-Box<static_cast<int>(Dim)> boxOf(const std::array<Vec<static_cast<int>(Dim)>, Dim>& facet) {
+Box<static_cast<int>(Dim)> facetBox(const std::array<Vec<static_cast<int>(Dim)>, Dim>& facet) {
     Box<static_cast<int>(Dim)> box;
     for (const auto& corner : facet) box.add(corner);
     return box;

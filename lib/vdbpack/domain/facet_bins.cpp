@@ -46,7 +46,7 @@ double commonExtent(const std::vector<Facet<Dim>>& facets) {
     std::vector<double> extents;
     const std::size_t stride = facets.size() / 4096 + 1;
     for (std::size_t i = 0; i < facets.size(); i += stride) {
-        const Vec<Dim> size = boxOf(facets[i]).size();
+        const Vec<Dim> size = facetBox(facets[i]).size();
         extents.push_back(*std::max_element(size.c.begin(), size.c.end()));
     }
     const auto middle = extents.begin() + static_cast<std::ptrdiff_t>(extents.size() / 2);
@@ -178,7 +178,7 @@ std::vector<typename FacetBins<Dim>::Item> FacetBins<Dim>::balls() const {
     const double rounding = 3e-7 * length(cells_.bounds.size());
     std::vector<Item> balls(facets_.size());
     forAll(facets_.size(), [&](std::size_t i) {
-        const Vec<Dim> center = boxOf(facets_[i]).center();
+        const Vec<Dim> center = facetBox(facets_[i]).center();
         double square = 0;
         for (const auto& corner : facets_[i])
             square = std::max(square, squaredLength(corner - center));

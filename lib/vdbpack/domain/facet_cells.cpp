@@ -47,7 +47,7 @@ public:
     FacetRaster(const FacetCells<Dim>& cells, const Facet<Dim>& facet, std::uint32_t id,
                 std::vector<FacetEntry>& entries)
         : cells_(cells), facet_(facet), id_(id), entries_(entries) {
-        const Box<Dim> box = boxOf(facet);
+        const Box<Dim> box = facetBox(facet);
         const Vec<Dim> size = box.size();
         extent_ = *std::max_element(size.c.begin(), size.c.end());
         slack_ = 1e-7 * (cells.edge + extent_);

@@ -27,7 +27,7 @@ const OutputTarget* labelOutput(const std::vector<OutputTarget>& outputs) {
 
 /// Whether the spacing of a domain's recipe is that of label maps, not of its image.
 bool isForLabels(const DomainSource& source) {
-    return !source.recipe().voxelSpacing.empty() && (!source.imageGrid() || source.isSpaced());
+    return source.recipe().voxelSpacing && (!source.imageGrid() || source.isSpaced());
 }
 
 ImageGrid chosenGrid(const std::string& output, const std::vector<const DomainSource*>& sources) {
@@ -39,7 +39,7 @@ ImageGrid chosenGrid(const std::string& output, const std::vector<const DomainSo
         throw ParameterError(output +
                              ": no image says how large its voxels are; set `voxelSpacing`");
     }
-    const Vec<3> spacing = parseVoxelSpacing(source.recipe().voxelSpacing);
+    const Vec<3> spacing = *source.recipe().voxelSpacing;
     if (source.imageGrid()) return withSpacing(*source.imageGrid(), spacing);
     Box<3> box;
     for (const DomainSource* one : sources) {
@@ -128,7 +128,7 @@ void warnOfUnusedSpacing(const std::vector<OutputTarget>& outputs, const DomainS
                          const Callbacks& callbacks) {
     if (labelOutput(outputs)) return;
     if (!isForLabels(source)) return;
-    callbacks.warn("`voxelSpacing` " + source.recipe().voxelSpacing +
+    callbacks.warn("`voxelSpacing` " + textOf(*source.recipe().voxelSpacing) +
                    " has no effect: " + source.recipe().source +
                    (source.imageGrid() ? " states the distances of its voxels" : " is no image") +
                    ", and no label map is written. `scale` makes a domain larger or smaller");

@@ -60,4 +60,20 @@ std::string ImageGrid::orientation() const {
     return code;
 }
 
+ImageGrid alongAxes(ImageGrid grid) {
+    for (std::size_t d = 0; d < 3; ++d) {
+        const double step = length(grid.step[d]);
+        const auto axis = static_cast<int>(d);
+        if (std::fabs(std::fabs(grid.step[d][axis]) - step) > 1e-6 * step) {
+            for (std::size_t e = 0; e < 3; ++e) {
+                Vec<3> along;
+                along[static_cast<int>(e)] = length(grid.step[e]);
+                grid.step[e] = along;
+            }
+            return grid;
+        }
+    }
+    return grid;
+}
+
 }  // namespace vdbpack

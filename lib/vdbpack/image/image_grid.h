@@ -41,6 +41,9 @@ struct ImageGrid {
     std::string orientation() const;
 };
 
+/// The grid with its steps along the axes of the world, for one that lies askew.
+ImageGrid alongAxes(ImageGrid grid);
+
 /// `ImageGrid::indexOf` of many points.
 class ImageIndexer {
 public:

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace vdbpack {
@@ -173,6 +174,29 @@ std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
         for (const LabelName& known : image.names)
             if (known.value == label.value && known.layer == label.layer) label.name = known.name;
     return labels;
+}
+
+std::pair<double, double> valueRange(const Image& image) {
+    using Range = std::pair<double, double>;
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const Range numbers = image.visit([&](const auto* at) {
+        return tbb::parallel_reduce(
+            IndexRange(0, image.values(), 65536), Range{kInfinity, -kInfinity},
+            [&](const IndexRange& block, Range range) {
+                for (std::size_t i = block.begin(); i < block.end(); ++i) {
+                    const auto value = static_cast<double>(at[i]);
+                    range.first = std::min(range.first, value);
+                    range.second = std::max(range.second, value);
+                }
+                return range;
+            },
+            [](const Range& a, const Range& b) {
+                return Range{std::min(a.first, b.first), std::max(a.second, b.second)};
+            });
+    });
+    const double a = image.slope * numbers.first + image.intercept;
+    const double b = image.slope * numbers.second + image.intercept;
+    return std::minmax(a, b);
 }
 
 std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<LabelCount>& labels,

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -25,6 +26,9 @@ struct LabelCount {
 /// values are not whole numbers, if there are more than 1,000 different ones, or more than 20 and
 /// neighbors seldom have the same. Cost: about 1 ns a voxel on two threads.
 std::optional<std::vector<LabelCount>> labelsOf(const Image& image);
+
+/// The least and the largest value, of those that are numbers.
+std::pair<double, double> valueRange(const Image& image);
 
 /// Labels that are one solid together.
 struct LabelPart {

@@ -131,7 +131,7 @@ void complete(const Command& command, const std::vector<std::string>& words) {
     std::visit(
         [&](auto& recipe) {
             DomainRecipe& domain = recipe.domain;
-            if (domain.source.empty()) domain.source = parseCavities(domain.cavities).outer;
+            if (domain.source.empty()) domain.source = domain.cavities.outer;
             bool hasParts = false;
             using Recipe = std::decay_t<decltype(recipe)>;
             if constexpr (std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VerifyRecipe>)

@@ -1,5 +1,8 @@
 // Options about what is filled, and about the files that it comes from.
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/options/option_rows.h"
+
+#include <fmt/format.h>
 
 namespace vdbpack {
 
@@ -19,6 +22,20 @@ const Names<RepairComponents> kRepairComponents{{"together", RepairComponents::t
                                                 {"separate", RepairComponents::separate}};
 const Names<ImageSpace> kSpaces{{"lps", ImageSpace::lps}, {"ras", ImageSpace::ras}};
 const Names<ShellFrom> kShellFrom{{"walls", ShellFrom::walls}, {"outer", ShellFrom::outer}};
+
+void clipOption(OptionList& rows, std::vector<Clip>& clips) {
+    Option& option = rows.custom(
+        "clip", "CLIP",
+        "keep only a part of the domain: box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (where "
+        "n.x <= d); may be repeated",
+        [&clips](const std::string& text) { clips.push_back(parseClip(text)); });
+    option.get = [&clips] {
+        std::vector<std::string> texts;
+        for (const Clip& clip : clips) texts.push_back(clip.text);
+        return texts;
+    };
+    option.as("clips").repeats = true;
+}
 
 }  // namespace
 
@@ -46,15 +63,17 @@ void domainOptions(OptionList& rows, DomainRecipe& domain) {
               "level set, or with `threshold` fog volume, to take from a .vdb")
         .as("gridName packGrid");
     imageOptions(rows, domain);
-    rows.text("slice", "z=V", domain.slice,
-              "use the plane z = V of the domain; its spheres are circles");
-    rows.texts("clip", "CLIP", domain.clips,
-               "keep only a part of the domain: box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (where "
-               "n.x <= d); may be repeated")
-        .as("clips");
-    rows.text("periodic", "AXES", domain.periodic,
-              "axes along which a box or rectangle repeats, such as xy: it has no walls there. "
-              "periodic:LX,LY,LZ repeats along all");
+    rows.custom(
+        "slice", "z=V", "use the plane z = V of the domain; its spheres are circles",
+        [&domain](const std::string& text) { domain.slice = parseSlice(text); },
+        [&domain] { return domain.slice ? fmt::format("z={}", *domain.slice) : std::string(); });
+    clipOption(rows, domain.clips);
+    rows.custom(
+        "periodic", "AXES",
+        "axes along which a box or rectangle repeats, such as xy: it has no walls there. "
+        "periodic:LX,LY,LZ repeats along all",
+        [&domain](const std::string& text) { domain.periodic = parseAxes(text); },
+        [&domain] { return textOf(domain.periodic); });
     rows.length("voxel", "H [automatic]", domain.voxelSize, Range::positive,
                 "voxel size of the distance field, mm")
         .as("voxelSize");
@@ -74,9 +93,12 @@ void imageOptions(OptionList& rows, DomainRecipe& domain) {
 
 void imagePlacement(OptionList& rows, DomainRecipe& domain) {
     rows.group("Domain");
-    rows.numbers("voxel-spacing", "X,Y,Z|D", domain.voxelSpacing,
-                 "distances of voxels, mm: of an image whose files state none, such as TIFF; else "
-                 "of the label maps that are written (-o labels:FILE)");
+    rows.custom(
+        "voxel-spacing", "X,Y,Z|D",
+        "distances of voxels, mm: of an image whose files state none, such as TIFF; else "
+        "of the label maps that are written (-o labels:FILE)",
+        [&domain](const std::string& text) { domain.voxelSpacing = parseVoxelSpacing(text); },
+        [&domain] { return domain.voxelSpacing ? textOf(*domain.voxelSpacing) : std::string(); });
     rows.choice("space", "lps|ras [lps]", domain.space, kSpaces,
                 "axes of the world of images: lps (x to the left, y to the back, as in DICOM) or "
                 "ras (x to the right, y to the front, as in NIfTI)");
@@ -95,15 +117,20 @@ void repairOptions(OptionList& rows, DomainRecipe& domain) {
                 "how `repair` treats the surface components of the mesh. separate: each by "
                 "itself, so that bones in one file stay apart unless they intersect; together: "
                 "the inside is that of all triangles");
-    rows.text("cavities", "keep|fill|[outer=FILE,]inner=FILE [keep]", domain.cavities,
-              "closed surface components inside others: keep leaves the cavities in them empty, "
-              "fill fills them. inner=FILE removes the inside of a second mesh from DOMAIN; "
-              "outer=FILE,inner=FILE replaces DOMAIN")
+    rows.custom(
+            "cavities", "keep|fill|[outer=FILE,]inner=FILE [keep]",
+            "closed surface components inside others: keep leaves the cavities in them empty, "
+            "fill fills them. inner=FILE removes the inside of a second mesh from DOMAIN; "
+            "outer=FILE,inner=FILE replaces DOMAIN",
+            [&domain](const std::string& text) { domain.cavities = parseCavities(text); },
+            [&domain] { return textOf(domain.cavities); })
         .naming(FileIn::cavities);
     // The name and the words of former recipes.
     Option& former =
         rows.custom("shells", "", "former name of `cavities`", [&domain](const std::string& text) {
-            domain.cavities = text == "cavity" ? "keep" : text == "solid" ? "fill" : text;
+            domain.cavities = parseCavities(text == "cavity"  ? "keep"
+                                            : text == "solid" ? "fill"
+                                                              : text);
         });
     former.naming(FileIn::cavities).hiddenIf(true).excludes = "cavities";
 }

@@ -26,7 +26,7 @@ void shellFromOption(OptionList& rows, DomainRecipe& domain);
 void unitOption(OptionList& rows, const char* name, Unit& unit, const char* help);
 
 // sphere_options.cpp
-void sizeOptions(OptionList& rows, std::string& radius, WeightBy& weightBy, const char* note);
+void sizeOptions(OptionList& rows, SizeRequest& radius, WeightBy& weightBy, const char* note);
 /// How `pack` makes spheres.
 void sphereOptions(OptionList& rows, PackRecipe& recipe);
 void gapOption(OptionList& rows, double& gap, const char* help);

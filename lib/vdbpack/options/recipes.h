@@ -9,6 +9,7 @@
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/pack/packer.h"
+#include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/preview/preview.h"
 #include "vdbpack/voids/void_recipe.h"
 
@@ -50,13 +51,11 @@ struct RunSettings {
 /// What a pack is made from.
 struct PackRecipe : RunSettings {
     DomainRecipe domain;
-    /// SPEC of SizeDistribution::parse, mm; empty: uniform, ratio 1:2, about 100,000 spheres.
-    std::string radius;
+    SizeRequest radius;  ///< empty: uniform, ratio 1:2, about 100,000 spheres
     /// File with a factor on the radii by place: as `readScalarField` reads it, or an image; empty:
     /// none.
     std::string sizeField;
-    /// SPEC of the radii in the shell of `voids`, mm; empty: the radii of all.
-    std::string shellRadius;
+    SizeRequest shellRadius;  ///< of spheres in the shell of `voids`; empty: the radii of all
     WeightBy weightBy = WeightBy::count;  ///< for table:FILE
     double targetCount = 0;               ///< scale the radii to about this many; 0: as given
     /// How the front packs; sizes, seed, threads and ranks are set by the recipe.
@@ -91,8 +90,11 @@ struct InputPack : RunSettings {
     Unit packUnit = Unit::millimeter;
     std::string packGrid;  ///< point grid in a .vdb; empty: the first
     DomainRecipe domain;   ///< `source` empty: what needs no domain
-    std::string radius;    ///< SPEC to hold the radii against; empty: none
+    SizeRequest radius;    ///< what the radii are compared with; empty: nothing
     WeightBy weightBy = WeightBy::count;
+
+    /// `radius` in a dimension, 2 or 3.
+    std::optional<SizeDistribution> sizes(int dim) const { return radius.find(dim, weightBy); }
 };
 
 struct VerifyRecipe : InputPack {
@@ -136,26 +138,11 @@ struct MeasureRecipe : InputPack {
 /// required; `radius` and `reportFile` are not used.
 struct ConvertRecipe : InputPack {};
 
-struct ConvertResult {
-    std::string kind;         ///< "spheres", "circles", "level set" or "mesh"
-    std::uint64_t count = 0;  ///< spheres, circles or triangles; of a level set 0
-    std::uint64_t hash = 0;   ///< of a pack, in mm
-    std::vector<std::string> files, warnings;
-};
-
 /// `pack` is shown, and with `domain.source` the wall of that domain. `reportFile` is the page
 /// (empty: NAME.view.html in the current folder, with the name of the pack's file);
 /// `preview.cut`, `preview.color` and `preview.column` are how the view begins. `outputs`,
 /// `preview.file` and `radius` are not used.
 struct ViewRecipe : InputPack {};
-
-struct ViewResult {
-    std::string kind;         ///< "spheres" or "circles"
-    std::uint64_t count = 0;  ///< of the pack
-    std::string file;         ///< the page
-    std::uint64_t bytes = 0;  ///< of it
-    std::vector<std::string> warnings;
-};
 
 /// Outputs are .stl, in mm.
 struct MeshRecipe : RunSettings {

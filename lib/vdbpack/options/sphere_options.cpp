@@ -41,12 +41,22 @@ double solidFractionIn(const std::string& text) {
     return fraction;
 }
 
+void sizesOption(OptionList& rows, const char* name, SizeRequest& sizes, std::string help) {
+    rows.custom(
+            name, "SPEC", std::move(help),
+            [&sizes, name](const std::string& text) {
+                if (text.empty()) throw ParameterError(optionName(name) + ": must not be empty");
+                sizes = SizeRequest::parse(text);
+            },
+            [&sizes] { return sizes.spec(); })
+        .naming(FileIn::sizes);
+}
+
 }  // namespace
 
-void sizeOptions(OptionList& rows, std::string& radius, WeightBy& weightBy, const char* note) {
+void sizeOptions(OptionList& rows, SizeRequest& radius, WeightBy& weightBy, const char* note) {
     rows.group("Spheres");
-    rows.text("radius", "SPEC", radius, std::string(kRadiusSpec) + ", in mm" + note)
-        .naming(FileIn::sizes);
+    sizesOption(rows, "radius", radius, std::string(kRadiusSpec) + ", in mm" + note);
     rows.choice("weight-by", "count|volume [count]", weightBy, kWeights,
                 "whether the weights of table:FILE are shares of the number or of the volume of "
                 "spheres");
@@ -77,10 +87,9 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
               "floats, a .csv (x, y, z, value) or an image; from its smallest to its largest "
               "value at most 1:20")
         .naming(FileIn::whole);
-    rows.text("shell-radius", "SPEC", recipe.shellRadius,
-              "radii of the spheres with centers in the shell (`shell`), like `radius`, which is "
-              "then that of the others")
-        .naming(FileIn::sizes);
+    sizesOption(rows, "shell-radius", recipe.shellRadius,
+                "radii of the spheres with centers in the shell (`shell`), like `radius`, which is "
+                "then that of the others");
     rows.number("target-count", "N", recipe.targetCount, Range::positive,
                 "scale the radii so that about N spheres are written: those that voids leave, with "
                 "those that `densify` adds, without those of `existing`");

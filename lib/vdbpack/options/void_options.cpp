@@ -159,15 +159,22 @@ void VoidRows::addAmounts() const {
 
 void VoidRows::addDirections() const {
     OrientationRecipe& orientation = voids.orientation;
-    rows.text("void-angles", "ANGLES", orientation.angles,
-              "directions of the long axes. \"tz=SPEC;tx=SPEC\": along z, rotated by tx about x, "
-              "then by tz about z. \"phi=SPEC\" (2D): along x, rotated by phi. isotropic: no "
-              "preferred direction. SPEC is V, uniform:A,B or normal:MEAN,SD,A,B, in rad or with "
-              "suffix deg. With `void-axis` or `void-field`: scatter about that direction. Default "
-              "without those: isotropic for boolean and foam, else within 0.358 rad of z (2D: of "
-              "x)")
+    rows.custom(
+            "void-angles", "ANGLES",
+            "directions of the long axes. \"tz=SPEC;tx=SPEC\": along z, rotated by tx about x, "
+            "then by tz about z. \"phi=SPEC\" (2D): along x, rotated by phi. isotropic: no "
+            "preferred direction. SPEC is V, uniform:A,B or normal:MEAN,SD,A,B, in rad or with "
+            "suffix deg. With `void-axis` or `void-field`: scatter about that direction. Default "
+            "without those: isotropic for boolean and foam, else within 0.358 rad of z (2D: of x)",
+            [&orientation](const std::string& text) {
+                orientation.angles = VoidAngles::parse(text);
+            },
+            [&orientation] { return orientation.angles ? orientation.angles->text : ""; })
         .as("orientation.angles");
-    rows.numbers("void-axis", "X,Y,Z", orientation.axis, "direction of the long axes")
+    rows.custom(
+            "void-axis", "X,Y,Z", "direction of the long axes",
+            [&orientation](const std::string& text) { orientation.axis = VoidAxis::parse(text); },
+            [&orientation] { return orientation.axis ? orientation.axis->text : ""; })
         .as("orientation.axis");
     rows.text("void-field", "FILE", orientation.field,
               "direction of the long axes at each position: .vdb (vectors, or the main axis of a "

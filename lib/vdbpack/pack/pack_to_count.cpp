@@ -3,6 +3,8 @@
 #include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/packer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -51,15 +53,10 @@ private:
 
 }  // namespace
 
-SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim) {
-    const SizeDistribution s = sizes.scaled(factor);
-    return s.spec().find(" x ") == std::string::npos ? SizeDistribution::parse(s.spec(), dim) : s;
-}
-
-void scaleSizes(PackOptions& options, const PackOptions& from, double factor, int dim) {
-    options.sizes = scaledSizes(from.sizes, factor, dim);
+void scaleSizes(PackOptions& options, const PackOptions& from, double factor) {
+    options.sizes = from.sizes.scaled(factor).rounded();
     if (from.local.shellSizes)
-        options.local.shellSizes = scaledSizes(*from.local.shellSizes, factor, dim);
+        options.local.shellSizes = from.local.shellSizes->scaled(factor).rounded();
 }
 
 template <int Dim>
@@ -78,7 +75,7 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
                        1.0 / Dim)
             : scaleForCount(domain, options, front, callbacks, existing);
     for (int attempt = 0; attempt < kCountAttempts; ++attempt) {
-        scaleSizes(options, asked, scale, Dim);
+        scaleSizes(options, asked, scale);
         PackResult<Dim> result;
         try {
             result = packSpheres(domain, options, callbacks, existing);
@@ -101,7 +98,7 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         if (interrupted || options.maxCount > 0 || isNear(bestOff, target)) break;
         scale = search.next(scale, count);
     }
-    scaleSizes(options, asked, bestScale, Dim);
+    scaleSizes(options, asked, bestScale);
     if (counted.warns && !best.interrupted && options.maxCount == 0 && !isNear(bestOff, target))
         callbacks.warn(fmt::format(
             "{:.0f} {} were requested, and {:.0f} are nearest of {} packs; give another number or "

@@ -127,11 +127,8 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
                             const std::vector<Sphere<Dim>>& existing = {},
                             const CountedSpheres<Dim>& counted = {});
 
-/// The distribution with its radii times `factor`: where it is a formula, exactly what the formula
-/// says when it is read again.
-SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim);
-
-/// Sets the sizes of `options` (also of the shell) to the sizes of `from` times `factor`.
-void scaleSizes(PackOptions& options, const PackOptions& from, double factor, int dim);
+/// Sets the sizes of `options` (also of the shell) to the sizes of `from` times `factor`, rounded
+/// as their texts state them.
+void scaleSizes(PackOptions& options, const PackOptions& from, double factor);
 
 }  // namespace vdbpack

@@ -11,7 +11,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -351,6 +353,35 @@ SizeDistribution SizeDistribution::scaled(double factor) const {
     else
         result.spec_ = fmt::format("{} x {:.6g}", base_, f);
     return result;
+}
+
+namespace {
+
+double toSixDigits(double x) {
+    if (x == 0) return 0;
+    const int digits = 5 - static_cast<int>(std::floor(std::log10(std::fabs(x))));
+    const double power = std::pow(10.0, std::abs(digits));
+    return digits > 0 ? std::round(x * power) / power : std::round(x / power) * power;
+}
+
+}  // namespace
+
+SizeDistribution SizeDistribution::rounded() const {
+    const SizeShape& s = *shape_;
+    const auto length = [&](double x) { return toSixDigits(x * factor_); };
+    const std::string kind = base_.substr(0, base_.find(':'));
+    std::optional<SizeDistribution> result;
+    if (kind == "constant")
+        result = constant(length(s.hi));
+    else if (kind == "uniform")
+        result = uniform(length(s.lo), length(s.hi));
+    else if (kind == "normal")
+        result = normal(length(s.center), length(s.spread), length(s.lo), length(s.hi));
+    else if (kind == "lognormal")
+        result = lognormal(length(s.center), toSixDigits(s.spread), length(s.lo), length(s.hi));
+    if (!result) return *this;
+    result->base_ = result->spec_ = spec_;
+    return *result;
 }
 
 VolumeShares::VolumeShares(const SizeDistribution& sizes, int dim) {

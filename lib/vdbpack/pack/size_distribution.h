@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,8 @@ public:
     /// The same shape with all radii times `factor` > 0. For formulas `spec()` is the formula with
     /// its lengths multiplied and rounded to six digits.
     SizeDistribution scaled(double factor) const;
+    /// With the lengths of formulas rounded to six digits, so that `spec()` states them exactly.
+    SizeDistribution rounded() const;
 
 private:
     SizeDistribution(SizeShape shape, std::string spec);
@@ -116,6 +119,8 @@ public:
     /// The distribution in a dimension, 2 or 3. Not for an empty request.
     /// @param weightBy  of table:FILE.
     const SizeDistribution& in(int dim, WeightBy weightBy = WeightBy::count) const;
+    /// The same; nothing for an empty request.
+    std::optional<SizeDistribution> find(int dim, WeightBy weightBy = WeightBy::count) const;
     /// All radii times `factor` > 0.
     SizeRequest scaled(double factor) const;
 

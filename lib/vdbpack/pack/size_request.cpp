@@ -42,6 +42,11 @@ const SizeDistribution& SizeRequest::in(int dim, WeightBy weightBy) const {
     return read_->sizes[dim == 2 ? 0 : 1][weightBy == WeightBy::count ? 0 : 1];
 }
 
+std::optional<SizeDistribution> SizeRequest::find(int dim, WeightBy weightBy) const {
+    if (empty()) return std::nullopt;
+    return in(dim, weightBy);
+}
+
 SizeRequest SizeRequest::scaled(double factor) const {
     if (empty()) return {};
     Read read = *read_;

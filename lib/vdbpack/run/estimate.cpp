@@ -3,7 +3,6 @@
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/formats/outputs.h"
-#include "vdbpack/run/size_stage.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/shell_field.h"
@@ -336,7 +335,7 @@ PackPlan planPack(const PackRecipe& recipe, const DomainSource& source, bool clo
     if (const auto labels = labelGridOf(recipe.outputs, {&source}, recipe.memoryLimit))
         e.labelVoxels = static_cast<double>(labels->voxels());
     const bool needed =
-        requested.differByPlace() || !recipe.domain.slice.empty() || !recipe.domain.clips.empty();
+        requested.differByPlace() || recipe.domain.slice || !recipe.domain.clips.empty();
     if (closer && needed && e.field.voxels() < kQuickVoxels) {
         const auto built = source.build(radii.detail, radii.reach, {}, voxel);
         e.volume = built.space ? built.space->volume() : built.plane->volume();

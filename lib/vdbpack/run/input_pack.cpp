@@ -90,12 +90,12 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
 void requireDomain(const InputPack& recipe) {
     const DomainRecipe& d = recipe.domain;
     if (!d.source.empty()) return;
-    const char* set = d.unit != Unit::millimeter ? "`unit`"
-                      : d.scale != 1             ? "`scale`"
-                      : !d.slice.empty()         ? "`slice`"
-                      : !d.clips.empty()         ? "`clips`"
-                      : !d.periodic.empty()      ? "`periodic`"
-                                                 : nullptr;
+    const char* set = d.unit != Unit::millimeter            ? "`unit`"
+                      : d.scale != 1                        ? "`scale`"
+                      : d.slice                             ? "`slice`"
+                      : !d.clips.empty()                    ? "`clips`"
+                      : d.periodic != std::array<bool, 3>{} ? "`periodic`"
+                                                            : nullptr;
     if (set)
         throw ParameterError(fmt::format(
             "{} applies to the domain, and there is none; set `domain` (the unit of the "
@@ -113,10 +113,34 @@ DomainRecipe domainOf(const InputPack& recipe, const Pack<3>& pack) {
     for (int d = 0; d < (plane ? 2 : 3); ++d) {
         corners[0] += fmt::format("{}{}", d > 0 ? "," : "", box.lo[d]);
         corners[1] += fmt::format(",{}", box.hi[d]);
-        if (pack.cell.isAlong(d)) domain.periodic += "xyz"[d];
+        domain.periodic[static_cast<std::size_t>(d)] = pack.cell.isAlong(d);
     }
     domain.source = (plane ? "rect:" : "box:") + corners[0] + corners[1];
     return domain;
+}
+
+std::optional<DomainSource> domainAround(const DomainRecipe& recipe, int dim,
+                                         const Callbacks& callbacks) {
+    if (recipe.source.empty()) return std::nullopt;
+    std::optional<DomainSource> source(std::in_place, recipe, callbacks);
+    if (source->dim() != dim)
+        throw ParameterError(
+            fmt::format("{}: is a domain of {} dimensions, the pack one of {}; give one that it "
+                        "lies in",
+                        recipe.source, source->dim(), dim));
+    return source;
+}
+
+DomainSource::Built buildAround(const std::optional<DomainSource>& source, int dim,
+                                const RadiusStatistics& radius, std::size_t count, double reach,
+                                const RunSettings& settings, const Callbacks& callbacks) {
+    const double detail = fieldDetail(radius.min, radius.mean);
+    Extent extent;
+    extent.dim = dim;
+    if (source) extent = extentOf(*source, detail, reach);
+    extent.count = static_cast<double>(count);
+    requireResources(extent, settings);
+    return source ? source->build(detail, reach, callbacks) : DomainSource::Built{};
 }
 
 template <int Dim>
@@ -159,7 +183,7 @@ bool isPlane(const Pack<3>& pack) {
 std::vector<std::string> inputFiles(const InputPack& recipe) {
     auto files = domainInputs(recipe.domain);
     if (!recipe.given) files.push_back(recipe.pack);
-    files.push_back(recipe.radius);  // table:FILE
+    files.push_back(recipe.radius.spec());  // table:FILE
     return files;
 }
 

@@ -33,6 +33,17 @@ void requireDomain(const InputPack& recipe);
 /// The domain of a pack: that of the recipe, or else the periodic cell that its file states.
 DomainRecipe domainOf(const InputPack& recipe, const Pack<3>& pack);
 
+/// The domain of a pack, read; nothing if `recipe` names none.
+/// @throws as DomainSource; ParameterError for one of another dimension than `dim`
+std::optional<DomainSource> domainAround(const DomainRecipe& recipe, int dim,
+                                         const Callbacks& callbacks);
+
+/// Builds the domain of a pack of so many spheres, if there is one and memory suffices.
+/// @param reach  as in DomainSource::build. @throws ResourceError, and as DomainSource::build
+DomainSource::Built buildAround(const std::optional<DomainSource>& source, int dim,
+                                const RadiusStatistics& radius, std::size_t count, double reach,
+                                const RunSettings& settings, const Callbacks& callbacks);
+
 /// Warns of a periodic cell that is not the one that the file of the pack states.
 template <int Dim>
 void warnOfOtherCell(const InputPack& recipe, const PeriodicCell<Dim>& stated,
@@ -59,12 +70,12 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
         const DomainRecipe domain = domainOf(recipe, pack);
         if (domain.source.empty())
             throw ParameterError("the spheres lie in a domain; set the `domain` of the pack");
-        const DomainSource source(domain, heard);
+        const auto source = std::make_shared<const DomainSource>(domain, heard);
         report.seconds.mesh = clock.lap();
-        beginOn({&source}, recipe, voids, report, heard, true);
-        warnOfUnused(domain, source, heard);
-        checkOutputKinds(recipe.outputs, RunKind::pack, voids, source.dim());
-        if (source.dim() == 2) {
+        beginOn({source.get()}, recipe, voids, report, heard, true);
+        warnOfUnused(domain, *source, heard);
+        checkOutputKinds(recipe.outputs, RunKind::pack, voids, source->dim());
+        if (source->dim() == 2) {
             Run<2> run(recipe, source, report, clock, limited);
             run.pack = asCircles(pack);
             return stages(run);
@@ -91,18 +102,10 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
     RunResult run;
     const auto measure = [&](auto& pack, auto dim) {
         constexpr int Dim = decltype(dim)::value;
-        std::optional<SizeDistribution> sizes;
-        if (!recipe.radius.empty())
-            sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
-        DomainSource::Built built;
-        Extent extent;
-        extent.dim = Dim;
+        const std::optional<SizeDistribution> sizes = recipe.sizes(Dim);
         const auto radius = radiusStatistics(pack.spheres);
-        const double detail = fieldDetail(radius.min, radius.mean), reach = depthFor(radius) / 3;
-        if (source) extent = extentOf(*source, detail, reach);
-        extent.count = static_cast<double>(pack.spheres.size());
-        requireResources(extent, recipe);
-        if (source) built = source->build(detail, reach, callbacks);
+        const auto built = buildAround(source, Dim, radius, pack.spheres.size(),
+                                       depthFor(radius) / 3, recipe, callbacks);
         report.seconds.domain = clock.lap();
         const Domain<Dim>* domain = ofDim<Dim>(built).get();
         if (domain) warnOfOtherCell(recipe, pack.cell, *domain, callbacks);

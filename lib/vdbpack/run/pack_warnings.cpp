@@ -1,7 +1,6 @@
-#include "vdbpack/run/pack_warnings.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
 
@@ -36,23 +35,23 @@ void warnOfLooseSpheres(const Run<Dim>& run) {
     if (report.interrupted || report.requestedGap > 0 || !report.contacts || report.count < 2)
         return;
     const char* spheres = Measure<Dim>::kSpheres;
-    const VoidReport& voids = run.voids.report;
+    const VoidReport& voids = run.voids.made.report;
     const bool anchored = run.cuts() && (voids.shell == 0 || voids.cortical > 0);
     if (const auto attached = anchored ? voids.spheresAttached : std::nullopt) {
         const auto dropped = static_cast<double>(voids.dropped);
         const double before = dropped + static_cast<double>(report.count);
-        if (run.voidRecipe->keepConnected && dropped > kMostDropped * before)
+        if (run.voids.recipe.keepConnected && dropped > kMostDropped * before)
             run.callbacks.warn(fmt::format(
                 "`keepConnected` removed {} of the {}, which no contact connects. Give larger "
                 "voids "
                 "or smaller radii, or count wider gaps as contacts by `contactTolerance`",
                 percent(dropped / before), spheres));
-        else if (*attached < kConnected && !run.voidRecipe->keepConnected)
+        else if (*attached < kConnected && !run.voids.recipe.keepConnected)
             run.callbacks.warn(fmt::format(
                 "only {} of the {} are connected to the {} by contacts. Set `keepConnected` to "
                 "remove the others, or give larger voids or smaller radii",
                 percent(*attached), spheres,
-                run.voidRecipe->hasShell() ? "shell" : "largest component"));
+                run.voids.recipe.hasShell() ? "shell" : "largest component"));
         return;
     }
     // Contacts are reported at a tolerance at which densified spheres hardly touch.
@@ -78,7 +77,7 @@ void warnOfFewSpheres(const Run<Dim>& run, double largest) {
 
 template <int Dim>
 void warnOfThinSolid(const Run<Dim>& run) {
-    const VoidReport& voids = run.voids.report;
+    const VoidReport& voids = run.voids.made.report;
     if (!run.solid || !run.hasPack || run.report.interrupted || !voids.bvtv) return;
     double filled = 0;
     for (std::size_t i = 0; i < run.pack.spheres.size(); ++i)
@@ -106,9 +105,10 @@ void warnOfCount(const Run<Dim>& run, double target) {
 
 template <int Dim>
 void warnOfSmallVoids(const Run<Dim>& run) {
-    if (!run.hasPack || run.solid || run.voids.list.empty() || run.pack.spheres.empty()) return;
+    if (!run.hasPack || run.solid || run.voids.made.list.empty() || run.pack.spheres.empty())
+        return;
     std::vector<double> widths;
-    for (const auto& v : run.voids.list) widths.push_back(std::min(v.a, v.b));
+    for (const auto& v : run.voids.made.list) widths.push_back(std::min(v.a, v.b));
     const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
     std::nth_element(widths.begin(), middle, widths.end());
     double mean = 0;
@@ -127,10 +127,10 @@ void requireSpheresLeft(const Run<Dim>& run, std::uint64_t before) {
     before = sumOver(run.ranks(), before);
     const std::uint64_t left = sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()});
     if (before == 0 || left > 0 || run.report.interrupted) return;
-    const auto& bvtv = run.voids.report.bvtv;
+    const auto& bvtv = run.voids.made.report.bvtv;
     throw ParameterError(fmt::format(
         "`voids` {}: remove all {} {}{}. Give fewer or smaller voids, or a higher `targetBvtv`",
-        nameOf(*run.voidRecipe), before, Measure<Dim>::kSpheres,
+        nameOf(run.voids.recipe), before, Measure<Dim>::kSpheres,
         bvtv ? fmt::format(" and leave a BV/TV of {:.4f}", *bvtv) : std::string()));
 }
 

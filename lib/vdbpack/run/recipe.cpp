@@ -6,26 +6,20 @@
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/sphere_density.h"
-#include "vdbpack/run/image_domain.h"
-#include "vdbpack/run/size_stage.h"
 #include "vdbpack/run/stages.h"
+#include "vdbpack/voids/local_values.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <limits>
 
 namespace vdbpack {
 
 namespace {
 
-constexpr double kDefaultCount = 100000;
 /// Beyond this the field for the smallest radius would outgrow any pack of the largest.
 constexpr double kLargestSizeRatio = 200;
-/// Name of the column that marks spheres that stood already.
-const char* const kExisting = "existing";
 
 }  // namespace
 
@@ -58,9 +52,28 @@ void checkSolidFill(const PackRecipe& recipe) {
     if (voids.cull == Cull::touch)
         throw ParameterError(
             "`fill` solid: no sphere meets a void, so that none is removed; leave `cull` out");
-    if (!recipe.domain.slice.empty())
+    if (recipe.domain.slice)
         throw ParameterError(
             "`fill` solid: voids have level sets in space alone; leave `slice` out");
+}
+
+/// Refuses radii of a shell without a shell, and files of factors that cannot be read.
+void checkLocalSizes(const PackRecipe& recipe) {
+    if (!recipe.shellRadius.empty()) {
+        if (!recipe.voids.hasShell())
+            throw ParameterError(
+                "`shellRadius` " + recipe.shellRadius.spec() +
+                ": there is no shell; set its thickness by `shell`, such as 3, or `shellField`");
+        if (recipe.voids.fill == Fill::solid)
+            throw ParameterError(
+                "`fill` solid and `shellRadius` cannot be combined; leave one out");
+    }
+    if ((!recipe.shellRadius.empty() || !recipe.sizeField.empty()) && recipe.voids.as<FrontHoles>())
+        throw ParameterError(
+            "`voids` " + nameOf(recipe.voids) +
+            " cannot be combined with sizes by place; use voids that are cut afterwards, such as "
+            "boolean");
+    checkFactorField(recipe.sizeField);
 }
 
 /// Refuses settings of one domain that exclude one another.
@@ -79,8 +92,6 @@ void checkPacking(const PackRecipe& recipe) {
     if (recipe.targetCount > 0 && recipe.targetCount != std::floor(recipe.targetCount))
         throw ParameterError(
             fmt::format("`targetCount` {}: must be a whole number of spheres", recipe.targetCount));
-    // A malformed SPEC is found before a large mesh is read.
-    if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
     checkLocalSizes(recipe);
     checkVoids(recipe.voids, true, true);
     requireVoidFields(recipe.voids);
@@ -90,8 +101,8 @@ void addInputs(const PackRecipe& recipe, std::vector<std::string>& inputs) {
     for (auto& file : voidInputs(recipe.voids)) inputs.push_back(std::move(file));
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     if (!recipe.givenExisting) inputs.push_back(recipe.existing);
-    inputs.push_back(recipe.radius);  // table:FILE
-    inputs.push_back(recipe.shellRadius);
+    inputs.push_back(recipe.radius.spec());  // table:FILE
+    inputs.push_back(recipe.shellRadius.spec());
     inputs.push_back(recipe.sizeField);
 }
 
@@ -182,13 +193,11 @@ double RequestedSizes::meanBall(int dim, double shell) const {
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
     const bool given = !recipe.radius.empty();
     RequestedSizes r{
-        SizeDistribution::parse(given ? recipe.radius : "uniform:1,2", dim, recipe.weightBy),
+        given ? recipe.radius.in(dim, recipe.weightBy) : SizeDistribution::uniform(1, 2),
         recipe.targetCount,
         {},
-        {},
-        readFactors(recipe)};
-    if (!recipe.shellRadius.empty())
-        r.shellSizes = SizeDistribution::parse(recipe.shellRadius, dim, recipe.weightBy);
+        recipe.shellRadius.find(dim, recipe.weightBy),
+        readFactors(recipe.sizeField, recipe.domain)};
     requireRatio(r.sizes, r.sizes);
     if (r.shellSizes) {
         requireRatio(*r.shellSizes, r.sizes);
@@ -204,6 +213,18 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
     return r;
 }
 
+template <int Dim>
+LocalSizes localSizes(const PackRecipe& recipe, const RequestedSizes& requested,
+                      const Domain<Dim>& domain, double sliceHeight, const ShellThickness& shell) {
+    LocalSizes sizes;
+    sizes.shell = shell;
+    sizes.shellSizes = requested.shellSizes;
+    if (requested.factor)
+        sizes.factor =
+            factorsOver(requested.factor, recipe.sizeField, domain.bounds(), sliceHeight);
+    return sizes;
+}
+
 PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes) {
     PackOptions options = recipe.packing;
     options.sizes = sizes;
@@ -211,34 +232,6 @@ PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes)
     options.threads = recipe.threads;
     options.ranks = recipe.ranks;
     return options;
-}
-
-namespace {
-
-/// The largest of some numbers.
-/// @throws InputError where `more` others above it would not fit into 64 bits.
-std::int64_t lastBefore(const std::vector<std::int64_t>& numbers, std::size_t more,
-                        const char* what) {
-    const std::int64_t last = *std::max_element(numbers.begin(), numbers.end());
-    if (last > std::numeric_limits<std::int64_t>::max() - static_cast<std::int64_t>(more))
-        throw InputError(
-            fmt::format("the largest {}, {}, leaves no values for the spheres that are added; "
-                        "renumber the spheres",
-                        what, last));
-    return last;
-}
-
-}  // namespace
-
-template <int Dim>
-void requireRoomToNumber(const Pack<Dim>& pack, const std::string& file) {
-    constexpr std::size_t kMostAdded = std::size_t{1} << 32;
-    try {
-        if (!pack.id.empty()) lastBefore(pack.id, kMostAdded, "id");
-        if (!pack.order.empty()) lastBefore(pack.order, kMostAdded, "order");
-    } catch (const InputError& e) {
-        throw InputError(file + ": " + e.what());
-    }
 }
 
 template <int Dim>
@@ -276,81 +269,11 @@ Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
     }
 }
 
-namespace {
-
-/// Removes what is known of some spheres alone once others are added: their densities.
-void dropDensities(PackAttributes& pack) {
-    auto& columns = pack.columns;
-    columns.erase(std::remove_if(columns.begin(), columns.end(),
-                                 [](const Column& c) {
-                                     return c.name == kDensityColumn || c.name == kClassColumn ||
-                                            c.name == kModulusColumn;
-                                 }),
-                  columns.end());
-}
-
-}  // namespace
-
-template <int Dim>
-Pack<Dim> appended(Pack<Dim> base, const std::vector<Sphere<Dim>>& added) {
-    if (!added.empty()) dropDensities(base);
-    const std::size_t before = base.spheres.size(), more = added.size();
-    const std::size_t all = before + more;
-    base.depth.clear();
-    base.contacts.clear();
-    const auto numberOn = [more](std::vector<std::int64_t>& numbers, const char* what) {
-        if (numbers.empty()) return;
-        std::int64_t next = lastBefore(numbers, more, what);
-        for (std::size_t i = 0; i < more; ++i) numbers.push_back(++next);
-    };
-    numberOn(base.id, "id");
-    numberOn(base.order, "order");
-    forEachAttribute(base, [all](std::string_view, auto& values) {
-        if (!values.empty()) values.resize(all);
-    });
-    base.spheres.insert(base.spheres.end(), added.begin(), added.end());
-    return base;
-}
-
-template <int Dim>
-Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added) {
-    const std::size_t before = base.spheres.size();
-    if (base.order.empty())
-        for (std::size_t i = 0; i < before; ++i) base.order.push_back(static_cast<std::int64_t>(i));
-    base.region.resize(before, 0);
-    auto& columns = base.columns;
-    columns.erase(std::remove_if(columns.begin(), columns.end(),
-                                 [](const Column& c) { return c.name == kExisting; }),
-                  columns.end());
-    Column mark;
-    mark.name = kExisting;
-    mark.numbers.assign(before, 1.0);
-    columns.push_back(std::move(mark));
-    base = appended(std::move(base), added.spheres);
-    if (before == 0) {
-        base.order = added.order;  // nothing to continue from
-    } else if (!added.order.empty()) {
-        // In the order of the front, of which a rank has a part.
-        for (auto* numbers : {&base.id, &base.order}) {
-            if (numbers->empty()) continue;
-            const std::int64_t first = (*numbers)[before];
-            for (std::size_t i = 0; i < added.order.size(); ++i)
-                (*numbers)[before + i] = first + added.order[i];
-        }
-    }
-    base.region.resize(base.spheres.size(), 0);
-    columns.back().numbers.resize(base.spheres.size(), 0.0);
-    base.sliceHeight = added.sliceHeight;
-    return base;
-}
-
-template void requireRoomToNumber(const Pack<2>&, const std::string&);
-template void requireRoomToNumber(const Pack<3>&, const std::string&);
+template LocalSizes localSizes(const PackRecipe&, const RequestedSizes&, const Domain<2>&, double,
+                               const ShellThickness&);
+template LocalSizes localSizes(const PackRecipe&, const RequestedSizes&, const Domain<3>&, double,
+                               const ShellThickness&);
 template Pack<2> readExisting(const PackRecipe&, double);
 template Pack<3> readExisting(const PackRecipe&, double);
-template Pack<2> appended(Pack<2>, const std::vector<Sphere<2>>&);
-template Pack<3> appended(Pack<3>, const std::vector<Sphere<3>>&);
-template Pack<2> joined(Pack<2>, const Pack<2>&);
-template Pack<3> joined(Pack<3>, const Pack<3>&);
 
 }  // namespace vdbpack

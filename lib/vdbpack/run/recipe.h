@@ -2,11 +2,13 @@
 #pragma once
 
 #include "vdbpack/core/pack.h"
+#include "vdbpack/domain/domain_source.h"
+#include "vdbpack/formats/joined_packs.h"
 #include "vdbpack/options/recipes.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/void_recipe.h"
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +24,9 @@ void checkRecipe(const PackRecipe& recipe);
 
 /// The files that voids are made from; empty names where there is none.
 std::vector<std::string> voidInputs(const VoidRecipe& recipe);
+
+/// Spheres of a pack for which nothing else is requested.
+inline constexpr double kDefaultCount = 100'000;
 
 /// The requested sizes, or the default, before any scaling.
 struct RequestedSizes {
@@ -45,28 +50,19 @@ struct RequestedSizes {
 /// @throws ParameterError for a bad SPEC or a ratio of sizes beyond the limit.
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim);
 
+/// What differs by place in the sizes of a domain.
+/// @param sliceHeight  2D: height of the plane, mm.
+/// @throws as `factorsOver`
+template <int Dim>
+LocalSizes localSizes(const PackRecipe& recipe, const RequestedSizes& requested,
+                      const Domain<Dim>& domain, double sliceHeight, const ShellThickness& shell);
+
 /// The options of the packer for spheres of these sizes.
 PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes);
-
-/// @throws InputError "file: ..." where ids or orders end so close to 2^63 that none are left for
-/// spheres that are added.
-template <int Dim>
-void requireRoomToNumber(const Pack<Dim>& pack, const std::string& file);
 
 /// The spheres of `recipe.existing`; an empty pack if there are none.
 /// @throws as readPack; InputError if they don't lie in the plane of a 2D domain at `sliceHeight`.
 template <int Dim>
 Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight);
-
-/// Both packs in one: those of `base` first, with all their attributes and columns. Added spheres
-/// get further ids, and 0 or nothing in the columns of `base`. The column `existing` marks the
-/// spheres of `base`.
-template <int Dim>
-Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added);
-
-/// `base` with further spheres, which get further ids and places in the order, and 0 or nothing in
-/// its columns. Depths and contacts of all are dropped.
-template <int Dim>
-Pack<Dim> appended(Pack<Dim> base, const std::vector<Sphere<Dim>>& added);
 
 }  // namespace vdbpack

@@ -1,16 +1,13 @@
 #include "vdbpack/run/report_file.h"
 
-#include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/report/measured_pack.h"
 #include "vdbpack/report/report_page.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -32,19 +29,6 @@ std::string jsonText(const Json& json) {
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-/// Of the spheres that were added; those that stood are not this run's choice.
-template <int Dim>
-RadiusHistogram histogramOf(const Pack<Dim>& pack, std::size_t existing,
-                            const SizeDistribution* sizes, Ranks* ranks = nullptr) {
-    std::vector<double> radii;
-    for (std::size_t i = existing; i < pack.spheres.size(); ++i)
-        radii.push_back(pack.spheres[i].radius);
-    if (!sizes) return radiusHistogram(radii);
-    return radiusHistogram(
-        radii, [&](double r) { return sizes->cdfBelow(r); }, {sizes->min(), sizes->max()}, 40,
-        ranks);
-}
-
 /// The options that were given, and what the run made of them.
 std::vector<std::pair<std::string, std::string>> settingsOf(const RunSettings& recipe,
                                                             const Report& report) {
@@ -61,8 +45,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const RunSettings& r
 }
 
 /// The page of a run on `subject`, with what all commands have in common.
-template <class Recipe>
-ReportPage pageOf(const RunResult& run, const std::string& subject, const Recipe& recipe) {
+ReportPage pageOf(const RunResult& run, const std::string& subject, const RunSettings& recipe) {
     ReportPage page;
     page.subject = subject;
     page.report = run.report;
@@ -73,76 +56,31 @@ ReportPage pageOf(const RunResult& run, const std::string& subject, const Recipe
 
 }  // namespace
 
-template <int Dim>
-PageDetails pageDetails(const Pack<Dim>& pack, std::size_t fixed, const DomainSource& source,
-                        const DomainSource* around, const Domain<Dim>& domain,
-                        const SizeDistribution& sizes, const Report& report,
-                        const Callbacks& callbacks, const SphereRows& rows) {
-    PageDetails details;
-    // Radii by place have no distribution of their own.
-    details.radii =
-        histogramOf(pack, fixed, report.localSizes.empty() ? &sizes : nullptr, rows.ranks);
-    // Its layers are those of one thickness.
-    const double shell = report.voids && !report.voids->leastShell ? report.voids->shell : 0;
-    const double depth = structureDepth(report.radius, shell);
-    if (report.count == 0 || domain.fieldDepth() >= depth) {
-        details.structure = measureStructure(pack, &domain, report, shell, callbacks, rows);
-        return details;
-    }
-    const double detail = fieldDetail(report.radius.min, report.radius.mean);
-    auto space = ofDim<Dim>(source.build(detail, depth / 3, callbacks));
-    if constexpr (Dim == 3)
-        if (around) space = partDomain(space, around->build(detail, depth / 3, callbacks).space);
-    details.structure = measureStructure(pack, space.get(), report, shell, callbacks, rows);
-    return details;
-}
-
 std::string reportFileOf(const RunSettings& settings, const Report& report) {
     const std::string& file = settings.reportFile;
     return report.interrupted && !file.empty() ? interruptedName(file) : file;
 }
 
-void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe) {
-    const std::string file = reportFileOf(recipe, run.report);
+void writeReport(const RunResult& run, const std::string& subject, const RunSettings& settings,
+                 const PageDetails& details) {
+    const std::string file = reportFileOf(settings, run.report);
     if (file.empty()) return;
     Json figures = toJson(run);
     if (!isPage(file)) return write(file, jsonText(figures));
-    addTo(figures, details.structure);
-    ReportPage page = pageOf(run, recipe.domain.source, recipe);
-    page.structure = details.structure;
+    ReportPage page = pageOf(run, subject, settings);
+    if (details.structure) {
+        addTo(figures, *details.structure);
+        page.structure = *details.structure;
+    }
     page.radii = details.radii;
     write(file, reportPage(page, figures));
 }
 
-namespace {
-
-/// The report of a run on a pack that exists.
-template <class Recipe>
-void writeOfGiven(const RunResult& run, const Recipe& recipe) {
-    const std::string file = reportFileOf(recipe, run.report);
-    if (file.empty()) return;
-    const Json figures = toJson(run);
-    if (!isPage(file)) return write(file, jsonText(figures));
-    ReportPage page = pageOf(run, recipe.pack, recipe);
-    std::visit([&](const auto& pack) { page.radii = histogramOf(pack, 0, nullptr); }, run.pack);
-    write(file, reportPage(page, figures));
-}
-
-}  // namespace
-
-void writeReport(const RunResult& run, const CarveRecipe& recipe) {
-    writeOfGiven(run, recipe);
-}
-
-void writeReport(const RunResult& run, const DensifyRecipe& recipe) {
-    writeOfGiven(run, recipe);
-}
-
-void writeReport(const RunResult& run, const VoidsRecipe& recipe) {
-    if (recipe.reportFile.empty()) return;
-    const Json figures = toJson(run);
-    if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
-    write(recipe.reportFile, reportPage(pageOf(run, recipe.domain.source, recipe), figures));
+RunResult reported(RunResult run, const InputPack& recipe) {
+    PageDetails details;
+    std::visit([&](const auto& pack) { details.radii = radiiOf(pack, 0, nullptr); }, run.pack);
+    writeReport(run, recipe.pack, recipe, details);
+    return run;
 }
 
 void writeReport(const MeasureResult& result, const MeasureRecipe& recipe) {
@@ -155,21 +93,11 @@ void writeReport(const MeasureResult& result, const MeasureRecipe& recipe) {
     if (!result.morphometry)
         std::visit(
             [&](const auto& pack) {
-                std::optional<SizeDistribution> sizes;
-                if (!recipe.radius.empty())
-                    sizes =
-                        SizeDistribution::parse(recipe.radius, page.report.dim, recipe.weightBy);
-                page.radii = histogramOf(pack, 0, sizes ? &*sizes : nullptr);
+                const auto sizes = recipe.sizes(page.report.dim);
+                page.radii = radiiOf(pack, 0, sizes ? &*sizes : nullptr);
             },
             result.run.pack);
     write(recipe.reportFile, reportPage(page, figures));
 }
-
-template PageDetails pageDetails<2>(const Pack<2>&, std::size_t, const DomainSource&,
-                                    const DomainSource*, const Domain<2>&, const SizeDistribution&,
-                                    const Report&, const Callbacks&, const SphereRows&);
-template PageDetails pageDetails<3>(const Pack<3>&, std::size_t, const DomainSource&,
-                                    const DomainSource*, const Domain<3>&, const SizeDistribution&,
-                                    const Report&, const Callbacks&, const SphereRows&);
 
 }  // namespace vdbpack

@@ -1,57 +1,15 @@
 // Whole runs: a recipe in, a result out.
 #pragma once
 
-#include "vdbpack/core/ellipsoid.h"
-#include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
-#include "vdbpack/domain/mesh_fitness.h"
-#include "vdbpack/measure/morphometry/morphometry.h"
-#include "vdbpack/measure/structure.h"
-#include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/options/recipes.h"
-#include "vdbpack/repair/mesh_repair.h"
-#include "vdbpack/report/report.h"
-#include "vdbpack/verify/verify.h"
-
-#include <nlohmann/json_fwd.hpp>
+#include "vdbpack/report/run_result.h"
 
 #include <cstdint>
-#include <memory>
-#include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace vdbpack {
-
-class VdbGrid;
-
-/// What a search for vacancies at sample points found.
-struct VacancySearch {
-    double largest = 0;         ///< largest clearance of a sample point to wall and spheres, mm
-    double radius = 0;          ///< 1.02 mean radii, mm
-    std::uint64_t count = 0;    ///< sample points with a clearance of `radius` or more
-    std::uint64_t samples = 0;  ///< requested points, distributed over the domain
-};
-
-struct RunResult {
-    Report report;
-    PagePicture picture;  ///< as requested, or of the report page; the view of the page
-    std::optional<VacancySearch> vacancies;  ///< if requested
-    std::variant<Pack<3>, Pack<2>> pack;
-    std::variant<std::vector<Ellipsoid<3>>, std::vector<Ellipsoid<2>>> voids;
-    /// Of runs in space with voids: `surface`, `voids` and `solid`.
-    std::vector<std::shared_ptr<const VdbGrid>> levelSets;
-    bool passed = false;  ///< no check failed (`failedChecks`)
-};
-
-/// The report as JSON; where a check failed, the spheres at fault under `worst`
-/// of the check.
-nlohmann::ordered_json toJson(const RunResult& run);
-/// For people: the summary of the report, and the vacancies; ends with a newline.
-std::string summary(const RunResult& run);
-/// For people: each check that failed, and the spheres at fault, a line each; empty if all passed.
-std::string failures(const RunResult& run);
 
 /// Domain, pack, measure, check, write: the whole of `vdb_pack pack`.
 ///
@@ -80,24 +38,6 @@ RunResult runDensify(const DensifyRecipe& recipe, const Callbacks& callbacks = {
 /// The whole of `vdb_pack voids`. @throws as `runPack`.
 RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks = {});
 
-/// The spheres of a pack as one solid.
-struct SphereMorphometry {
-    double dilation = 0;              ///< mm added to the radii
-    double dilationOfMeanRadius = 0;  ///< the same in mean radii
-    Morphometry morphometry;
-};
-
-struct MeasureResult {
-    RunResult run;                             ///< of a level set: its report has no spheres
-    Structure structure;                       ///< of a pack
-    std::optional<Morphometry> morphometry;    ///< of a level set
-    std::optional<SphereMorphometry> spheres;  ///< of a pack, if requested
-};
-
-nlohmann::ordered_json toJson(const MeasureResult& result);
-/// For people; ends with a newline.
-std::string summary(const MeasureResult& result);
-
 /// All figures of any pack, or of a solid as a level set (.vdb) or mesh (.stl .obj .off
 /// .ply): the whole of `vdb_pack measure`. Overlaps and spheres outside are reported, and no
 /// failure.
@@ -119,10 +59,6 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
 /// InputError, IoError, ResourceError
 ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks = {});
 
-nlohmann::ordered_json toJson(const ConvertResult& result);
-/// For people; ends with a newline.
-std::string summary(const ConvertResult& result);
-
 struct StudyResult {
     std::vector<Report> reports;  ///< one a seed, in their order
     bool passed = true;           ///< no check failed in any run
@@ -143,15 +79,9 @@ StudyResult runStudy(const VoidsRecipe& recipe, const std::vector<std::uint64_t>
 /// For people: a line a run, then mean and standard deviation over the runs.
 std::string summary(const StudyResult& study);
 
-struct MeshResult {
-    TriangleMesh mesh;                   ///< as it was read, or repaired; mm
-    MeshHealth health;                   ///< of the mesh; with `repair`, of the repaired mesh
-    std::optional<RepairReport> repair;  ///< contains the health before the repair
-    MeshFitness fitness;
-    bool passed = true;  ///< false: `check` was requested, and the mesh cannot be packed
-    std::string source;  ///< its file
-    std::vector<std::string> files;
-};
+/// The whole of `vdb_pack view` but for opening the page. The pack is neither judged nor measured.
+/// @throws ParameterError, InputError, IoError, ResourceError
+ViewResult runView(const ViewRecipe& recipe, const Callbacks& callbacks = {});
 
 /// Checks a mesh, decides whether it can be packed, repairs it if `domain.repair` is set, and
 /// writes it.
@@ -159,11 +89,7 @@ struct MeshResult {
 /// ResourceError
 MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks = {});
 
-/// The members of the health, `fit` and `reasons`; `repair` and `files` where there are any;
-/// without a repair `withRepair`, what it would do, null if it is not needed.
-nlohmann::json toJson(const MeshResult& result);
-std::string summary(const MeshResult& result);
-/// Why a mesh did not pass, a line each.
-std::string failures(const MeshResult& result);
+/// Reads an image and relates its labels. @throws as `readImage`
+ImageResult runImage(const ImageRecipe& recipe, const Callbacks& callbacks = {});
 
 }  // namespace vdbpack

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 namespace vdbpack {
@@ -44,19 +43,16 @@ void keepNames(Pack<Dim>& pack) {
 template <int Dim>
 RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     const RadiusStatistics radius = radiusStatistics(run.pack.spheres);
-    std::optional<SizeDistribution> sizes;
-    if (!recipe.radius.empty())
-        sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
-    run.sizes = sizes ? &*sizes : nullptr;
-    run.voidRecipe = &recipe.voids;
+    if (const auto sizes = recipe.sizes(Dim)) run.sizes = PackSizes{*sizes};
+    run.voids.recipe = recipe.voids;
     // Without a shell there are no regions but those of the input pack.
-    if (!recipe.voids.hasShell()) run.labelled = run.pack.region.size();
+    if (!recipe.voids.hasShell()) run.facts.labelled = run.pack.region.size();
     keepNames(run.pack);
-    run.largestRadius = radius.max;
+    run.voids.largestRadius = radius.max;
     const double detail = fieldDetail(radius.min, radius.mean);
     const double voxel = plannedVoxel(recipe.voids, Dim);
     const double reach = std::max(radius.max, depthForShell(recipe.voids, voxel) / 3);
-    Extent extent = extentOf(run.source, detail, reach, voxel);
+    Extent extent = extentOf(*run.source, detail, reach, voxel);
     extent.count = static_cast<double>(run.pack.spheres.size());
     addVoids(extent, recipe.voids, radius.max);
     domainStage(run, extent, detail, reach, voxel);

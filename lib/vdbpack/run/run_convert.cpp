@@ -8,19 +8,14 @@
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/run.h"
+#include "vdbpack/run/solid_stage.h"
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
 #include <optional>
 #include <utility>
 
 namespace vdbpack {
 
 namespace {
-
-constexpr double kVoxelsAcross = 256;  // of a mesh whose voxels nobody has chosen
 
 template <int Dim>
 void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& result,
@@ -50,24 +45,12 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     write.images = recipe.images;
     write.generator = std::string("vdb_pack ") + VDBPACK_VERSION;
     write.contactTolerance = recipe.contactTolerance;
-    DomainSource::Built built;
+    const RadiusStatistics radius = radiusStatistics(pack.spheres);
+    const auto source = domainAround(recipe.domain, Dim, callbacks);
+    const auto built =
+        buildAround(source, Dim, radius, pack.spheres.size(), radius.max, recipe, callbacks);
     std::optional<double> solid;
-    std::optional<DomainSource> source;
-    Extent extent;
-    extent.dim = Dim;
-    if (!recipe.domain.source.empty()) {
-        source.emplace(recipe.domain, callbacks);
-        if (source->dim() != Dim)
-            throw ParameterError(
-                fmt::format("{}: is a domain of {} dimensions, the pack one of {}; give one that "
-                            "it lies in",
-                            recipe.domain.source, source->dim(), Dim));
-        const RadiusStatistics radius = radiusStatistics(pack.spheres);
-        const double detail = fieldDetail(radius.min, radius.mean);
-        extent = extentOf(*source, detail, radius.max);
-        extent.count = static_cast<double>(pack.spheres.size());
-        requireResources(extent, recipe);
-        built = source->build(detail, radius.max, callbacks);
+    if (source) {
         have.domain = ofDim<Dim>(built).get();
         if (have.domain->cell().any()) pack.cell = have.domain->cell();
         if (built.mesh) {
@@ -76,10 +59,6 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         }
         if constexpr (Dim == 2) write.frame = have.domain->bounds();
         solid = solidFraction(pack.spheres, *have.domain);
-    }
-    if (!source) {
-        extent.count = static_cast<double>(pack.spheres.size());
-        requireResources(extent, recipe);
     }
     if constexpr (Dim == 3) {
         std::vector<const DomainSource*> sources;
@@ -104,8 +83,19 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         result.files.push_back(recipe.preview.file);
 }
 
-/// A level set or a mesh.
-void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Callbacks& callbacks) {
+/// The solid as a level set; a mesh in voxels as requested, else as many as are usual.
+std::shared_ptr<const VdbGrid> levelSetOf(const ConvertRecipe& recipe, bool isMesh,
+                                          const Callbacks& callbacks) {
+    if (!isMesh) return levelSetGrid(recipe.pack, recipe.packGrid, millimetersPer(recipe.packUnit));
+    DomainRecipe solid;
+    solid.source = recipe.pack;
+    solid.unit = recipe.packUnit;
+    double voxel = recipe.domain.voxelSize;
+    return gridOfMesh(std::move(solid), 0, recipe, voxel, callbacks);
+}
+
+/// Refuses what needs spheres.
+void requireNoSpheres(const ConvertRecipe& recipe) {
     if (!recipe.domain.source.empty())
         throw ParameterError("`domain` " + recipe.domain.source + ": goes with a pack, and " +
                              recipe.pack + " is a solid; leave it out");
@@ -115,6 +105,15 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
     if (!recipe.density.empty())
         throw ParameterError("`density` is that of spheres, and " + recipe.pack +
                              " holds none; leave it out");
+    for (const OutputTarget& output : recipe.outputs)
+        if (!output.isSolid())
+            throw ParameterError(output.text + ": holds spheres, and " + recipe.pack +
+                                 " has none; write .stl, .vdb or fog:FILE.vdb");
+}
+
+/// A level set or a mesh.
+void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Callbacks& callbacks) {
+    requireNoSpheres(recipe);
     const std::string generator = std::string("vdb_pack ") + VDBPACK_VERSION;
     RunOutputs<3> have;
     have.options.unit = recipe.outUnit;
@@ -128,26 +127,6 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
         mesh = readMesh(recipe.pack, read);
         result.count = mesh->triangles.size();
     }
-    for (const OutputTarget& output : recipe.outputs)
-        if (!output.isSolid())
-            throw ParameterError(output.text + ": holds spheres, and " + recipe.pack +
-                                 " has none; write .stl, .vdb or fog:FILE.vdb");
-    const auto levelSet = [&]() -> std::shared_ptr<const VdbGrid> {
-        if (!isMesh)
-            return levelSetGrid(recipe.pack, recipe.packGrid, millimetersPer(recipe.packUnit));
-        DomainRecipe solid;
-        solid.source = recipe.pack;
-        solid.unit = recipe.packUnit;
-        const DomainSource source(solid, callbacks);
-        const Vec<3> size = source.fileBounds().size();
-        solid.voxelSize = recipe.domain.voxelSize > 0
-                              ? recipe.domain.voxelSize
-                              : *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross;
-        requireResources(extentOf(DomainSource(solid), solid.voxelSize, solid.voxelSize), recipe);
-        return DomainSource(solid, callbacks)
-            .build(solid.voxelSize, solid.voxelSize, callbacks)
-            .mesh->grid();
-    };
     for (const OutputTarget& output : recipe.outputs) {
         callbacks.report("write", 0, 0);
         // A mesh needs no detour over voxels.
@@ -156,12 +135,13 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
             result.files.push_back(output.file);
             continue;
         }
-        if (have.options.levelSets.empty()) have.options.levelSets = {levelSet()};
+        if (have.options.levelSets.empty())
+            have.options.levelSets = {levelSetOf(recipe, isMesh, callbacks)};
         const auto written = writeOutput(output, have);
         result.files.insert(result.files.end(), written.begin(), written.end());
     }
     if (recipe.preview.file.empty()) return;
-    if (!isMesh) mesh = levelSetMesh(*levelSet(), recipe.pack);
+    if (!isMesh) mesh = levelSetMesh(*levelSetOf(recipe, isMesh, callbacks), recipe.pack);
     drawGiven(recipe.preview, recipe.pack, *mesh);
     result.files.push_back(recipe.preview.file);
 }
@@ -188,25 +168,6 @@ ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks
     });
     result.warnings = std::move(warnings);
     return result;
-}
-
-nlohmann::ordered_json toJson(const ConvertResult& result) {
-    nlohmann::ordered_json json{{"version", VDBPACK_VERSION}, {"kind", result.kind}};
-    if (result.count > 0) json["count"] = result.count;
-    if (result.hash != 0) json["hash"] = hashText(result.hash);
-    json["files"] = result.files;
-    json["warnings"] = result.warnings;
-    return json;
-}
-
-std::string summary(const ConvertResult& result) {
-    std::string text = result.kind == "level set" ? "read       a level set\n"
-                       : result.kind == "mesh"
-                           ? fmt::format("read       a mesh of {} triangles\n", result.count)
-                           : fmt::format("read       {} {}, hash {}\n", result.count, result.kind,
-                                         hashText(result.hash));
-    for (const std::string& file : result.files) text += fmt::format("written    {}\n", file);
-    return text;
 }
 
 }  // namespace vdbpack

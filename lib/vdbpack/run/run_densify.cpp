@@ -1,5 +1,4 @@
 // The run that makes any pack denser: `vdb_pack densify`.
-#include "vdbpack/core/error.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
@@ -22,20 +21,18 @@ template <int Dim>
 RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     requireRoomToNumber(run.pack, recipe.pack);
     run.report.requestedGap = recipe.densify.gap;
-    std::optional<SizeDistribution> sizes;
-    if (!recipe.radius.empty())
-        sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
-    run.sizes = sizes ? &*sizes : nullptr;
+    const std::optional<SizeDistribution> sizes = recipe.sizes(Dim);
+    if (sizes) run.sizes = PackSizes{*sizes};
     RadiusStatistics radius = radiusStatistics(run.pack.spheres);
     // Coordinates are written as finely as the radii of the input pack deserve.
-    run.positionStep = std::exp2(std::floor(std::log2(radius.mean))) * 0x1p-22;
+    run.facts.positionStep = std::exp2(std::floor(std::log2(radius.mean))) * 0x1p-22;
     if (sizes) {
         radius.min = std::min(radius.min, sizes->min());
         radius.max = std::max(radius.max, sizes->max());
     }
     const double detail = fieldDetail(radius.min, radius.mean),
                  reach = radius.max + recipe.densify.gap;
-    Extent extent = extentOf(run.source, detail, reach);
+    Extent extent = extentOf(*run.source, detail, reach);
     extent.count = static_cast<double>(run.pack.spheres.size());
     extent.densifying = true;
     const PeriodicCell<Dim> stated = run.pack.cell;

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -54,13 +53,13 @@ void verifyParts(const Parts& parts, const std::string& file, const Pack<3>& pac
     for (std::size_t k = 0; k < parts.size(); ++k) {
         std::vector<Sphere<3>> spheres;
         for (const std::size_t i : members[k]) spheres.push_back(pack.spheres[i]);
-        ProtrusionCheck own = parts[k]->source.protrusion(spheres);
+        ProtrusionCheck own = parts[k].source->protrusion(spheres);
         PartReport one;
-        one.name = parts[k]->recipe.name;
-        one.source = describe(parts[k]->recipe.domain);
+        one.name = parts[k].recipe.name;
+        one.source = describe(parts[k].recipe.domain);
         one.count = spheres.size();
-        one.volume = volumeOf(parts[k]->source, radiusStatistics(spheres));
-        one.area = parts[k]->source.plan(1, 1).area;
+        one.volume = volumeOf(*parts[k].source, radiusStatistics(spheres));
+        one.area = parts[k].source->plan(1, 1).area;
         one.solidFraction = ballShare(spheres, one.volume);
         one.protrusion = own.max;
         covered += one.solidFraction * one.volume;

@@ -1,5 +1,3 @@
-#include "vdbpack/run/run_view.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
@@ -8,10 +6,10 @@
 #include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/run.h"
 #include "vdbpack/view/pack_view.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -54,22 +52,10 @@ template <int Dim>
 void view(const ViewRecipe& recipe, const DomainRecipe& domain, const Pack<Dim>& pack,
           ViewResult& result, const Callbacks& callbacks) {
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
-    std::optional<DomainSource> source;
-    DomainSource::Built built;
-    Extent extent;
-    extent.dim = Dim;
-    if (!domain.source.empty()) {
-        source.emplace(domain, callbacks);
-        if (source->dim() != Dim)
-            throw ParameterError(
-                fmt::format("{}: is a domain of {} dimensions, the pack one of {}; give one that "
-                            "it lies in",
-                            domain.source, source->dim(), Dim));
-        const double detail = fieldDetail(radius.min, radius.mean);
-        extent = extentOf(*source, detail, radius.max);
-        extent.count = static_cast<double>(pack.spheres.size());
-        requireResources(extent, recipe);
-        built = source->build(detail, radius.max, callbacks);
+    const auto source = domainAround(domain, Dim, callbacks);
+    const auto built =
+        buildAround(source, Dim, radius, pack.spheres.size(), radius.max, recipe, callbacks);
+    if (source) {
         Box<Dim> spheres;
         for (const auto& s : pack.spheres) spheres.add(s.center);
         if (intersection(spheres, ofDim<Dim>(built)->bounds()).empty())
@@ -77,9 +63,6 @@ void view(const ViewRecipe& recipe, const DomainRecipe& domain, const Pack<Dim>&
                 "{}: all {} lie outside of `domain` {}; check that the pack belongs to it, and "
                 "that `unit` and `packUnit` are right",
                 recipe.pack, Measure<Dim>::kSpheres, domain.source));
-    } else {
-        extent.count = static_cast<double>(pack.spheres.size());
-        requireResources(extent, recipe);
     }
     callbacks.stopIfCancelled();
     PagePicture picture =
@@ -128,17 +111,6 @@ ViewResult runView(const ViewRecipe& asked, const Callbacks& callbacks) {
     });
     result.warnings = std::move(warnings);
     return result;
-}
-
-nlohmann::ordered_json toJson(const ViewResult& result) {
-    return {{"version", VDBPACK_VERSION}, {"kind", result.kind},   {"count", result.count},
-            {"file", result.file},        {"bytes", result.bytes}, {"warnings", result.warnings}};
-}
-
-std::string summary(const ViewResult& result) {
-    return fmt::format("{:<11}{} {}\n{:<11}{} ({:.3g} MB)\n", "read", grouped(result.count),
-                       result.kind, "written", result.file,
-                       static_cast<double>(result.bytes) / 1e6);
 }
 
 }  // namespace vdbpack

@@ -3,10 +3,10 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/run/report_file.h"
-#include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/run/structure_sample.h"
 
+#include <memory>
 #include <utility>
 
 namespace vdbpack {
@@ -22,20 +22,22 @@ double detailFor(const VoidRecipe& recipe, double voxel) {
 }
 
 template <int Dim>
-RunResult cutDomain(const VoidsRecipe& recipe, const DomainSource& source, const Report& report,
-                    Clock& clock, const Callbacks& callbacks) {
+RunResult cutDomain(const VoidsRecipe& recipe, const std::shared_ptr<const DomainSource>& source,
+                    const Report& report, const Clock& clock, const Callbacks& callbacks) {
     Run<Dim> run(recipe, source, report, clock, callbacks);
     run.hasPack = false;
-    run.voidRecipe = &recipe.voids;
+    run.voids.recipe = recipe.voids;
     const double voxel = plannedVoxel(recipe.voids, Dim);
     const double detail = detailFor(recipe.voids, voxel);
     const double reach = depthForShell(recipe.voids, voxel) / 3;
-    Extent extent = extentOf(source, detail, reach, voxel);
+    Extent extent = extentOf(*source, detail, reach, voxel);
     addVoids(extent, recipe.voids, 0);
     domainStage(run, extent, detail, reach, voxel);
     cutStage(run);
     measureStage(run);
-    return reported(finishStage(run), recipe);
+    RunResult result = finishStage(run);
+    writeReport(result, recipe.domain.source, recipe);
+    return result;
 }
 
 }  // namespace
@@ -58,15 +60,15 @@ void voidsEach(const std::vector<VoidsRecipe>& asked, const Callbacks& caller,
         const Callbacks heard = keepingWarnings(callbacks, report.warnings);
         const VoidRecipe sampled = withSample(first.voids, heard);
         for (VoidsRecipe& r : recipes) r.voids = sampled;
-        const DomainSource source(first.domain, heard);
+        const auto source = std::make_shared<const DomainSource>(first.domain, heard);
         report.seconds.mesh = clock.lap();
-        beginOn({&source}, first, first.voids, report, heard);
-        warnOfUnused(first.domain, source, heard);
-        checkOutputKinds(first.outputs, RunKind::voids, first.voids, source.dim());
+        beginOn({source.get()}, first, first.voids, report, heard);
+        warnOfUnused(first.domain, *source, heard);
+        checkOutputKinds(first.outputs, RunKind::voids, first.voids, source->dim());
         for (const auto& recipe : recipes) {
             report.seed = recipe.seed;
-            if (!done(source.dim() == 3 ? cutDomain<3>(recipe, source, report, clock, callbacks)
-                                        : cutDomain<2>(recipe, source, report, clock, callbacks)))
+            if (!done(source->dim() == 3 ? cutDomain<3>(recipe, source, report, clock, callbacks)
+                                         : cutDomain<2>(recipe, source, report, clock, callbacks)))
                 return;
             // Seconds spent once are reported once.
             report.seconds = {};

@@ -1,60 +1,218 @@
 #include "vdbpack/run/solid_stage.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/label_voxels.h"
-#include "vdbpack/measure/morphometry/border.h"
+#include "vdbpack/core/memory.h"
+#include "vdbpack/domain/domain_image.h"
+#include "vdbpack/field/level_set.h"
+#include "vdbpack/image/image_file.h"
+#include "vdbpack/io/text.h"
+#include "vdbpack/measure/morphometry/solid_image.h"
 #include "vdbpack/measure/morphometry/sphere_image.h"
 #include "vdbpack/run/estimate.h"
+#include "vdbpack/run/input_pack.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
 
 namespace vdbpack {
 
 namespace {
 
-/// An image narrower than this is warned about.
-constexpr std::int64_t kFewVoxels = 16;
-/// Voxels beyond a wall: the distances next to it are known on both sides.
-constexpr double kWallMargin = 3;
 /// Dilation of spheres in mean radii, so that contacts become necks of 0.3 radii; voxels in mean
 /// radii, narrow enough for the holes between three spheres; those at which connectivity was found
 /// a third too low; and the most voxels that are taken by default.
 constexpr double kDilation = 0.05, kSphereVoxel = 1.0 / 6, kCoarseVoxel = 0.25, kManyVoxels = 5e7;
 
-}  // namespace
+/// With more than this share of a bounding box solid, the solid seems to be cut at its faces.
+constexpr double kCutShare = 0.05;
 
-VoxelImage imageInDomain(const Domain<3>& domain, double shell, double voxelSize,
-                         const SolidSampler& sample) {
-    const Box<3> bounds = domain.bounds();
-    {
-        VoxelImage image = sample(bounds, kWallMargin * voxelSize);
-        labelVoxels(image, domain, shell, true);
-        if (borderShares(image).continued <= 0.5) return image;
-    }
-    const Vec<3> size = bounds.size();
-    const double shortest = *std::min_element(size.c.begin(), size.c.end());
-    VoxelImage image = sample(bounds, std::max(0.1 * shortest, kWallMargin * voxelSize));
-    labelVoxels(image, domain, shell);
-    return image;
+/// How far beyond the total volume the solid is looked at, mm, so that balls do not grow through
+/// the faces of a box cut from a larger sample: a tenth of its shortest side, if the sample reaches
+/// that far on all sides. Else 0: what ends at those faces was cut there.
+double marginFor(const VdbGrid& grid, const std::optional<Box<3>>& bounds) {
+    if (!bounds) return 0;
+    const Vec<3> size = bounds->size();
+    const double margin = 0.1 * *std::min_element(size.c.begin(), size.c.end());
+    const Box<3> band = bandBounds(grid);
+    for (int d = 0; d < 3; ++d)
+        if (band.lo[d] > bounds->lo[d] - margin || band.hi[d] < bounds->hi[d] + margin) return 0;
+    return margin;
 }
 
-Morphometry measuredImage(const VoxelImage& image, const std::string& subject,
-                          const Callbacks& callbacks) {
-    callbacks.stopIfCancelled();
-    const auto fewest = *std::min_element(image.size.begin(), image.size.end());
-    if (fewest < kFewVoxels)
+/// Warns of a total volume that seems to be chosen wrong.
+void warnOfBorder(const Morphometry& m, const VoxelImage& image, bool hasDomain,
+                  const std::string& file, const Callbacks& callbacks) {
+    if (m.solidFraction == 0) return;
+    if (hasDomain && m.border.solid == 0)
         callbacks.warn(
-            fmt::format("{}: the total volume is {} voxels of {:.3g} mm across; figures "
-                        "are coarse: choose a larger domain or a smaller `voxelSize`",
-                        subject, fewest, image.voxelSize));
-    Morphometry m = measureMorphometry(image);
-    // One region is the whole.
-    if (m.regions.size() == 1) m.regions.clear();
-    if (m.solidFraction == 0) callbacks.warn(subject + ": no solid lies in the total volume");
-    return m;
+            file +
+            ": the solid does not reach the wall of the domain, so that the space around "
+            "it counts as pores. Set `domain` to the bone itself or to a box inside it");
+    if (hasDomain || m.border.solid < kCutShare) return;
+    const Vec<3> size{{static_cast<double>(image.size[0] - 2),
+                       static_cast<double>(image.size[1] - 2),
+                       static_cast<double>(image.size[2] - 2)}};
+    const Vec<3> low = image.origin + Vec<3>{{1, 1, 1}} * (0.5 * image.voxelSize);
+    const Vec<3> high = low + size * image.voxelSize;
+    callbacks.warn(fmt::format(
+        "{}: {:.3g} % of the faces of its bounding box are solid, and Conn.D counts it as a whole "
+        "body. If it was cut there from a larger sample, set `domain` to "
+        "box:{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}",
+        file, 100 * m.border.solid, low[0], low[1], low[2], high[0], high[1], high[2]));
+}
+
+/// The solid of an image, read. @param whole  set to the box of all its voxels, mm, if there is no
+/// domain; @param voxel  mm; if 0, set to its least step.
+DomainRecipe imageSolid(const MeasureRecipe& recipe, std::optional<Box<3>>& whole, double& voxel,
+                        const Callbacks& callbacks) {
+    DomainRecipe solid;
+    solid.source = recipe.pack;
+    solid.unit = recipe.packUnit;
+    solid.image = recipe.solidImage;
+    if (recipe.domain.source.empty() || !isImage(recipe.domain)) {
+        solid.label = recipe.domain.label;
+        solid.threshold = recipe.domain.threshold;
+        solid.voxelSpacing = recipe.domain.voxelSpacing;
+        solid.space = recipe.domain.space;
+    }
+    Image image = readDomainImage(solid, callbacks);
+    if (recipe.domain.source.empty()) {
+        image.grid = alongAxes(image.grid);
+        whole = image.grid.bounds();
+    }
+    const Vec<3> spacing = image.grid.spacing();
+    if (!(voxel > 0)) voxel = *std::min_element(spacing.c.begin(), spacing.c.end());
+    solid.unit = Unit::millimeter;
+    solid.space = ImageSpace::lps;
+    solid.image = std::make_shared<const Image>(std::move(image));
+    return solid;
+}
+
+/// A solid as a level set.
+struct SolidGrid {
+    std::shared_ptr<const VdbGrid> grid{};
+    double voxel = 0;               ///< to measure in, mm; 0: those of the level set
+    std::optional<Box<3>> whole{};  ///< of an image without a domain: all of it
+
+    double pitch() const { return voxel > 0 ? voxel : voxelSizeOf(*grid); }
+};
+
+/// Whether the solid is no level set.
+bool isMeshed(const MeasureRecipe& recipe) {
+    return !recipe.solid &&
+           (isImageSolid(recipe) || recipe.solidMesh || extensionOf(recipe.pack) != ".vdb");
+}
+
+SolidGrid readSolid(const MeasureRecipe& recipe, const Callbacks& callbacks) {
+    SolidGrid found{recipe.solid, recipe.domain.voxelSize};
+    if (found.grid) return found;
+    if (!isMeshed(recipe)) {
+        found.grid =
+            levelSetGrid(recipe.pack, recipe.domain.gridName, millimetersPer(recipe.packUnit));
+        return found;
+    }
+    DomainRecipe solid;
+    solid.source = recipe.pack;
+    solid.unit = recipe.packUnit;
+    solid.mesh = recipe.solidMesh;
+    // An image may end within the solid, and a specimen may be smaller than a bone.
+    Callbacks quiet = callbacks;
+    if (isImageSolid(recipe)) {
+        solid = imageSolid(recipe, found.whole, found.voxel, callbacks);
+        quiet.warning = nullptr;
+    }
+    const double images = recipe.domain.source.empty() ? 1 : kWalledVoxel;
+    found.grid = gridOfMesh(std::move(solid), images, recipe, found.voxel, quiet);
+    return found;
+}
+
+/// The domain whose volume is the total one; null: none is given.
+std::shared_ptr<const Domain<3>> totalVolume(const MeasureRecipe& recipe, const SolidGrid& solid,
+                                             const Callbacks& callbacks) {
+    if (recipe.domain.source.empty()) return nullptr;
+    DomainRecipe total = recipe.domain;
+    total.voxelSize = 0;
+    if (isMeshed(recipe) || extensionOf(total.source) != ".vdb") total.gridName.clear();
+    const DomainSource source(total, callbacks);
+    if (source.dim() != 3)
+        throw ParameterError(total.source + ": is plane; a solid needs a domain of space");
+    const double fine = solid.pitch();
+    return source.build(fine, std::max(recipe.shell * 1.05, fine) / 3, callbacks).space;
+}
+
+/// The solid in its total volume, and its surroundings where it continues there.
+VoxelImage voxelsOf(const MeasureRecipe& recipe, const SolidGrid& solid, const Domain<3>* total) {
+    const bool boxed = recipe.domain.source.rfind("box:", 0) == 0 && recipe.domain.clips.empty();
+    const VdbGrid& grid = *solid.grid;
+    if (!total || (boxed && !(recipe.shell > 0))) {
+        const auto bounds = total ? std::optional<Box<3>>(total->bounds()) : solid.whole;
+        return sampleLevelSet(grid, bounds, solid.voxel, marginFor(grid, bounds));
+    }
+    const SolidSampler sample = [&](const Box<3>& box, double margin) {
+        return sampleLevelSet(grid, box, solid.voxel, margin);
+    };
+    return imageInDomain(*total, recipe.shell, solid.pitch(), sample);
+}
+
+}  // namespace
+
+std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, double images,
+                                          const RunSettings& settings, double& voxel,
+                                          const Callbacks& callbacks) {
+    constexpr double kVoxelsAcross = 256;
+    solid.voxelSize = voxel;
+    std::optional<DomainSource> source(std::in_place, solid, callbacks);
+    const Vec<3> size = source->fileBounds().size();
+    if (!(voxel > 0)) {
+        voxel = *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross;
+        solid.voxelSize = voxel;
+        TriangleMesh mesh = *source->mesh();
+        source.emplace(solid, std::move(mesh), Callbacks{});
+    }
+    Extent extent = extentOf(*source, voxel, voxel);
+    extent.imageVoxels = images * size[0] * size[1] * size[2] / (voxel * voxel * voxel);
+    requireResources(extent, settings);
+    return source->build(voxel, voxel, callbacks).mesh->grid();
+}
+
+bool isImageSolid(const MeasureRecipe& recipe) {
+    return recipe.solidImage || (!recipe.given && namesImage(recipe.pack));
+}
+
+MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Callbacks& callbacks) {
+    if (!recipe.outputs.empty())
+        throw ParameterError(recipe.outputs.front().text +
+                             ": a solid has no contacts to list; measure "
+                             "a pack, or leave the output out");
+    if (recipe.sphereMorphometry)
+        throw ParameterError(recipe.pack +
+                             ": is a solid, which is measured as it is; leave out "
+                             "`sphereMorphometry`, or measure a pack");
+    Clock clock;
+    requireDomain(recipe);
+    SolidGrid solid = readSolid(recipe, callbacks);
+    report.seconds.mesh = clock.lap();
+    const auto total = totalVolume(recipe, solid, callbacks);
+    if (total) report.domain = total->facts();
+    report.seconds.domain = clock.lap();
+    callbacks.stopIfCancelled();
+    const VoxelImage voxels = voxelsOf(recipe, solid, total.get());
+    solid.grid.reset();
+    MeasureResult result;
+    result.morphometry = measuredImage(voxels, recipe.pack, callbacks);
+    warnOfBorder(*result.morphometry, voxels, total || isImageSolid(recipe), recipe.pack,
+                 callbacks);
+    report.seconds.measure = clock.lap();
+    report.seconds.total = clock.total();
+    report.peakMemoryBytes = peakMemory();
+    result.run.report = std::move(report);
+    result.run.passed = true;
+    return result;
 }
 
 SphereMorphometry sphereMorphometry(const std::vector<Sphere<3>>& spheres, const Domain<3>* domain,

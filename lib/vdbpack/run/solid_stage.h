@@ -1,33 +1,26 @@
-// Private to runs: solids, of files or of spheres, as images of a domain.
+// Private to runs: the morphometry of solids, of files or of spheres.
 #pragma once
 
 #include "vdbpack/domain/domain.h"
-#include "vdbpack/field/voxel_image.h"
-#include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/run/run.h"
 
-#include <functional>
+#include <memory>
 #include <vector>
 
 namespace vdbpack {
 
-/// Voxels of an image with depths take as much memory as so many others.
-inline constexpr double kWalledVoxel = 1.8;
+/// The level set of a mesh or an image.
+/// @param images  of as many voxels that are made of it. @param voxel  mm; if 0, set to 1/256 of
+/// the longest side.
+std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, double images,
+                                          const RunSettings& settings, double& voxel,
+                                          const Callbacks& callbacks);
 
-/// Voxels of a solid in a box, with so much of a margin (mm) around it.
-using SolidSampler = std::function<VoxelImage(const Box<3>& bounds, double margin)>;
+/// Whether `recipe.pack` is an image, and so a solid.
+bool isImageSolid(const MeasureRecipe& recipe);
 
-/// A solid in a domain. If more than half of the solid at the wall continues beyond it, the domain
-/// counts as cut from a larger sample, and the image reaches a tenth of the shortest side beyond
-/// it; else the solid and the pore space end at the wall (`VoxelImage::depth`).
-/// @param shell  mm; label 1 is the layer along the wall, label 2 the rest; 0: all is label 1.
-VoxelImage imageInDomain(const Domain<3>& domain, double shell, double voxelSize,
-                         const SolidSampler& sample);
-
-/// The morphometry of an image; warns of few voxels and of a solid that is not in the total volume.
-/// @param subject  for messages.
-Morphometry measuredImage(const VoxelImage& image, const std::string& subject,
-                          const Callbacks& callbacks);
+/// The morphometry of the solid that `recipe.pack` names. @throws as `runMeasure`
+MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Callbacks& callbacks);
 
 /// The morphometry of the spheres of a pack as one solid, by `recipe.dilation` and `domain`; null:
 /// in the box around them. @throws ParameterError, ResourceError, Interrupted

@@ -4,16 +4,10 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/report/study_table.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_each.h"
+#include "vdbpack/run/stages.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <functional>
 #include <optional>
-#include <type_traits>
 #include <utility>
 
 namespace vdbpack {

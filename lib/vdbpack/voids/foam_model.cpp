@@ -195,7 +195,7 @@ VoidRecipe FoamModel::recipeOf(const Knobs& x) const {
     r.strutShare = r_.strutShare.value_or(x[kStrutShare]);
     if (!shape.orientation.field.empty() || !shape.orientation.any()) {
         shape.orientation.field.clear();
-        shape.orientation.axis = "0,0,1";
+        shape.orientation.axis = VoidAxis(Vec<3>{{0, 0, 1}});
     }
     return r;
 }

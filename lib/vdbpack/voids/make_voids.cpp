@@ -39,7 +39,7 @@ void fitTo(const VoidSetting<3>& s, FoamPacks<3>& packs, VoidRecipe& recipe, Voi
         "{:.4g} `voids.blend` {:.4g} `voids.strut` {:.4g} `voids.strutShare` {:.4g} "
         "`voids.voxelSize` {:.4g}",
         *foam.targetBvtv,
-        shape.orientation.axis.empty() ? "" : "`orientation.axis` " + shape.orientation.axis + " ",
+        shape.orientation.axis ? "`orientation.axis` " + shape.orientation.axis->text + " " : "",
         report.radius, shape.aspect.spec(), *foam.jitter, *recipe.blend, *recipe.strut,
         *recipe.strutShare, recipe.voxelSize);
 }

@@ -32,26 +32,31 @@ std::vector<std::string> parts(const std::string& text, char separator) {
     }
 }
 
+const char* formOf(int dim) {
+    return dim == 3 ? "tz=SPEC;tx=SPEC" : "phi=SPEC";
+}
+
+[[noreturn]] void failAngles(const std::string& angles, const std::string& what,
+                             const std::string& forms) {
+    throw ParameterError(
+        fmt::format("`orientation.angles` '{}': {}; write {} or isotropic", angles, what, forms));
+}
+
 /// Directions about the first axis of the frame: z in space, x in the plane.
 template <int Dim>
 class Scatter {
 public:
-    explicit Scatter(const std::string& angles) {
-        if (trimmed(angles).empty()) return;
-        isotropic_ = trimmed(angles) == "isotropic";
-        if (isotropic_) return;
-        std::vector<std::string> seen;
-        for (const auto& part : parts(angles, ';')) {
-            const auto equals = part.find('=');
-            const std::string name(trimmed(std::string_view(part).substr(0, equals)));
-            AngleDistribution* angle = find(name);
-            if (angle == nullptr || equals == std::string::npos)
-                fail(angles, fmt::format("'{}' is not one of the angles", part));
-            if (std::find(seen.begin(), seen.end(), name) != seen.end())
-                fail(angles, fmt::format("angle '{}' is given twice", name));
-            seen.push_back(name);
-            *angle = AngleDistribution::parse(part.substr(equals + 1));
-        }
+    explicit Scatter(const std::optional<VoidAngles>& given) {
+        if (!given) return;
+        if (Dim == 3 ? given->phi.has_value() : given->tz || given->tx)
+            failAngles(given->text,
+                       fmt::format("has an angle of the {}", Dim == 3 ? "plane" : "space"),
+                       formOf(Dim));
+        isotropic_ = given->isotropic;
+        const AngleDistribution none;
+        thetaZ_ = given->tz.value_or(none);
+        thetaX_ = given->tx.value_or(none);
+        phi_ = given->phi.value_or(none);
     }
 
     bool isotropic() const { return isotropic_; }
@@ -71,16 +76,6 @@ public:
     }
 
 private:
-    AngleDistribution* find(const std::string& name) {
-        if (Dim == 2) return name == "phi" ? &phi_ : nullptr;
-        return name == "tz" ? &thetaZ_ : name == "tx" ? &thetaX_ : nullptr;
-    }
-    [[noreturn]] static void fail(const std::string& angles, const std::string& what) {
-        throw ParameterError(fmt::format("`orientation.angles` '{}': {} {}; write {} or isotropic",
-                                         angles, what, Dim == 3 ? "in 3D" : "in 2D",
-                                         Dim == 3 ? "tz=SPEC;tx=SPEC" : "phi=SPEC"));
-    }
-
     bool isotropic_ = false;
     AngleDistribution thetaZ_, thetaX_, phi_;
 };
@@ -148,57 +143,94 @@ private:
     double sliceHeight_;
 };
 
-template <int Dim>
-Vec<Dim> parseAxis(const std::string& text) {
-    const auto fail = [&](const std::string& what) {
-        throw ParameterError(fmt::format(
-            "`orientation.axis` '{}': {}; write {} with finite numbers that are not all zero", text,
-            what, Dim == 3 ? "X,Y,Z" : "X,Y"));
-    };
-    const auto numbers = parts(text, ',');
-    if (numbers.size() != 3 && numbers.size() != Dim)
-        fail(fmt::format("has {} components", numbers.size()));
-    Vec<3> axis;
-    double most = 0;
-    for (std::size_t d = 0; d < numbers.size(); ++d) {
-        if (!parseNumber(numbers[d], axis.c[d]) || !std::isfinite(axis.c[d]))
-            fail(fmt::format("'{}' is not a finite number", numbers[d]));
-        most = std::max(most, std::fabs(axis.c[d]));
-    }
-    Vec<Dim> result;
-    for (int d = 0; d < Dim; ++d) result[d] = most > 0 ? axis[d] / most : 0;
-    if (!(length(result) > 1e-6))
-        fail(Dim == 3 ? "has no direction" : "has no direction within the plane");
-    return normalized(result);
+[[noreturn]] void failAxis(const std::string& text, const std::string& what) {
+    throw ParameterError(fmt::format(
+        "`orientation.axis` '{}': {}; write X,Y,Z (in a plane also X,Y) with finite numbers that "
+        "are not all zero",
+        text, what));
 }
 
 }  // namespace
+
+VoidAngles VoidAngles::parse(const std::string& text) {
+    VoidAngles angles;
+    angles.text = text;
+    angles.isotropic = trimmed(text) == "isotropic";
+    if (angles.isotropic) return angles;
+    const auto fail = [&](const std::string& what) {
+        failAngles(text, what, fmt::format("{} (in a plane {})", formOf(3), formOf(2)));
+    };
+    for (const auto& part : parts(text, ';')) {
+        const auto equals = part.find('=');
+        const std::string name(trimmed(std::string_view(part).substr(0, equals)));
+        std::optional<AngleDistribution>* const angle = name == "tz"    ? &angles.tz
+                                                        : name == "tx"  ? &angles.tx
+                                                        : name == "phi" ? &angles.phi
+                                                                        : nullptr;
+        if (angle == nullptr || equals == std::string::npos)
+            fail(fmt::format("'{}' is not one of the angles", part));
+        if (*angle) fail(fmt::format("angle '{}' is given twice", name));
+        *angle = AngleDistribution::parse(part.substr(equals + 1));
+    }
+    return angles;
+}
+
+VoidAxis::VoidAxis(const Vec<3>& along)
+    : text(fmt::format("{:.6g},{:.6g},{:.6g}", along[0], along[1], along[2])), direction(along) {}
+
+VoidAxis VoidAxis::parse(const std::string& text) {
+    const auto numbers = parts(text, ',');
+    if (numbers.size() != 3 && numbers.size() != 2)
+        failAxis(text, fmt::format("has {} components", numbers.size()));
+    VoidAxis axis({});
+    axis.text = text;
+    axis.components = static_cast<int>(numbers.size());
+    for (std::size_t d = 0; d < numbers.size(); ++d)
+        if (!parseNumber(numbers[d], axis.direction.c[d]) || !std::isfinite(axis.direction.c[d]))
+            failAxis(text, fmt::format("'{}' is not a finite number", numbers[d]));
+    return axis;
+}
+
+template <int Dim>
+Vec<Dim> directionOf(const VoidAxis& axis) {
+    if (axis.components < Dim) failAxis(axis.text, "has 2 components");
+    double most = 0;
+    for (const double component : axis.direction.c) most = std::max(most, std::fabs(component));
+    Vec<Dim> result;
+    for (int d = 0; d < Dim; ++d) result[d] = most > 0 ? axis.direction[d] / most : 0;
+    if (!(length(result) > 1e-6))
+        failAxis(axis.text, Dim == 3 ? "has no direction" : "has no direction within the plane");
+    return normalized(result);
+}
 
 template <int Dim>
 std::shared_ptr<const Orientation<Dim>> makeOrientation(const OrientationRecipe& recipe,
                                                         const Box<Dim>& bounds,
                                                         double sliceHeight) {
-    const bool fixed = !recipe.axis.empty(), varying = !recipe.field.empty();
+    const bool fixed = recipe.axis.has_value(), varying = !recipe.field.empty();
     if (fixed && varying)
         throw ParameterError(
             fmt::format("`orientation.axis` '{}' and `orientation.field` '{}' both define the "
-                        "direction; leave one of them out",
-                        recipe.axis, recipe.field));
+                        "direction; leave one "
+                        "of them out",
+                        recipe.axis->text, recipe.field));
     Scatter<Dim> scatter(recipe.angles);
     if (scatter.isotropic() && (fixed || varying))
-        throw ParameterError(
-            fmt::format("`orientation.angles` 'isotropic' ignores `orientation.{}` '{}'; write the "
-                        "scatter about it as {}, or leave one of them out",
-                        fixed ? "axis" : "field", fixed ? recipe.axis : recipe.field,
-                        Dim == 3 ? "tz=SPEC;tx=SPEC" : "phi=SPEC"));
+        throw ParameterError(fmt::format(
+            "`orientation.angles` 'isotropic' ignores `orientation.{}` '{}'; write the "
+            "scatter about "
+            "it as {}, or leave one of them out",
+            fixed ? "axis" : "field", fixed ? recipe.axis->text : recipe.field, formOf(Dim)));
     if (fixed)
-        return std::make_shared<AboutAxis<Dim>>(std::move(scatter), parseAxis<Dim>(recipe.axis));
+        return std::make_shared<AboutAxis<Dim>>(std::move(scatter), directionOf<Dim>(*recipe.axis));
     if (!varying) return std::make_shared<Free<Dim>>(std::move(scatter));
     auto field = readDirectionField(recipe.field);
     requireCovered(recipe.field + ": the direction field", field->bounds(), bounds, sliceHeight);
     return std::make_shared<AboutField<Dim>>(std::move(scatter), std::move(field), sliceHeight);
 }
 
+template Vec<2> directionOf(const VoidAxis&);
+template Vec<3> directionOf(const VoidAxis&);
 template std::shared_ptr<const Orientation<2>> makeOrientation<2>(const OrientationRecipe&,
                                                                   const Box<2>&, double);
 template std::shared_ptr<const Orientation<3>> makeOrientation<3>(const OrientationRecipe&,

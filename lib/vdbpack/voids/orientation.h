@@ -2,29 +2,51 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
+#include "vdbpack/core/rng.h"
+#include "vdbpack/voids/angle_distribution.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace vdbpack {
 
-class RandomStream;
+/// Angles by which axes are turned.
+struct VoidAngles {
+    std::string text;        ///< as `parse` reads it
+    bool isotropic = false;  ///< all directions are equally likely
+    /// In space the axis is turned from z by `tx` about x, then by `tz` about z; in the plane from
+    /// x by `phi`. What is missing is 0.
+    std::optional<AngleDistribution> tz, tx, phi;
+
+    /// "isotropic", or specs of `AngleDistribution`: "tz=SPEC;tx=SPEC" in space, "phi=SPEC" in the
+    /// plane. @throws ParameterError
+    static VoidAngles parse(const std::string& text);
+};
+
+/// A direction of any length and sign.
+struct VoidAxis {
+    std::string text;
+    Vec<3> direction;
+    int components = 3;  ///< 2: of the plane alone
+
+    explicit VoidAxis(const Vec<3>& along);
+    /// "X,Y,Z", or "X,Y" for the plane. @throws ParameterError
+    static VoidAxis parse(const std::string& text);
+};
+
+/// The unit vector along an axis. @throws ParameterError if it has no direction (2D: in the plane)
+template <int Dim>
+Vec<Dim> directionOf(const VoidAxis& axis);
 
 /// How the direction of a void's axis a is drawn: by angles alone, or scattered about a direction.
 struct OrientationRecipe {
-    /// "isotropic": all directions are equally likely. Otherwise specs of `AngleDistribution`: in
-    /// space "tz=SPEC;tx=SPEC", which turns the axis from z by tx about x, then by tz about z (a
-    /// missing angle is 0); in the plane "phi=SPEC", which turns the axis from x by phi. Empty: the
-    /// axis is not turned.
-    std::string angles;
-    /// "X,Y,Z" (2D: also "X,Y"), the same direction everywhere, of any length and sign; empty:
-    /// none.
-    std::string axis;
-    /// A file that `readDirectionField` reads; empty: none.
-    std::string field;
+    std::optional<VoidAngles> angles;  ///< nothing: the axis is not turned
+    std::optional<VoidAxis> axis;      ///< the same direction everywhere; nothing: none
+    std::string field;                 ///< that `readDirectionField` reads; empty: none
 
     /// Whether a direction is requested.
-    bool any() const { return !angles.empty() || !axis.empty() || !field.empty(); }
+    bool any() const { return angles || axis || !field.empty(); }
 };
 
 /// Draws the axes of voids.
@@ -47,8 +69,8 @@ public:
 ///
 /// @param bounds       the box that a field must cover, mm.
 /// @param sliceHeight  2D: height of the plane in the field, mm.
-/// @throws ParameterError if angles or axis are malformed or belong to the other dimension, the
-///         axis has no length (2D: in the plane), or two of axis, field and "isotropic" are given
+/// @throws ParameterError if angles or axis belong to the other dimension, the axis has no length
+///         (2D: in the plane), or two of axis, field and "isotropic" are given
 /// @throws InputError if the field does not cover `bounds`; the errors of `readDirectionField`
 template <int Dim>
 std::shared_ptr<const Orientation<Dim>> makeOrientation(const OrientationRecipe& recipe,

@@ -84,7 +84,7 @@ public:
         foam.bvtvField = foam_.bvtvField;
         foam.shape.orientation = foam_.shape.orientation;
         if (!foam_.shape.orientation.any() && best.knobs[kAspect] != 0)
-            foam.shape.orientation.axis = "0,0,1";
+            foam.shape.orientation.axis = VoidAxis(Vec<3>{{0, 0, 1}});
         result.specimen = side;
         report(best, result);
         return result;
@@ -319,8 +319,7 @@ void aimAt(const Morphometry& m, const std::string& name, FoamVoids& foam,
     t.separationQuantiles = m.separation->quantiles;
     t.ofBone = true;
     if (foam.shape.orientation.any()) return;
-    const Vec<3>& axis = m.anisotropy->axes[0];
-    foam.shape.orientation.axis = fmt::format("{:.6g},{:.6g},{:.6g}", axis[0], axis[1], axis[2]);
+    foam.shape.orientation.axis = VoidAxis(m.anisotropy->axes[0]);
 }
 
 StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs) {

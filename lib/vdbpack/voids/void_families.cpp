@@ -104,11 +104,10 @@ VoidFamily<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string
 /// The direction of all voids, if there is one.
 template <int Dim>
 std::optional<Vec<Dim>> commonAxis(const VoidSetting<Dim>& s) {
-    OrientationRecipe exact;
-    exact.axis = shapeOf(s.recipe)->orientation.axis;
-    if (exact.axis.empty()) return std::nullopt;
-    RandomStream unused(s.seed, 0);
-    return makeOrientation<Dim>(exact, s.domain.bounds())->axis({}, unused);
+    const std::optional<VoidAxis>& axis = shapeOf(s.recipe)->orientation.axis;
+    if (!axis) return std::nullopt;
+    const Vec<Dim> direction = directionOf<Dim>(*axis);
+    return Dim == 3 && direction[Dim - 1] < 0 ? -direction : direction;
 }
 
 template <int Dim>
@@ -227,9 +226,11 @@ VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* 
     OrientationRecipe orientation = asked.orientation;
     if (!directed) {
         const bool isotropic = foam || std::holds_alternative<BooleanVoids>(s.recipe.method);
-        orientation.angles = isotropic || ball ? "isotropic" : Dim == 3 ? kPaperCone : kPaperTilt;
+        orientation.angles = VoidAngles::parse(isotropic || ball ? "isotropic"
+                                               : Dim == 3        ? kPaperCone
+                                                                 : kPaperTilt);
         if (chosen && !ball)
-            chosen->push_back(fmt::format("void directions {}", orientation.angles));
+            chosen->push_back(fmt::format("void directions {}", orientation.angles->text));
     }
     SizeRequest aspect = asked.aspect;
     if (ball) aspect = SizeDistribution::constant(1);

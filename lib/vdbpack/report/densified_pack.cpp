@@ -1,10 +1,10 @@
-#include "vdbpack/run/densify_stage.h"
+#include "vdbpack/report/densified_pack.h"
 
+#include "vdbpack/core/clock.h"
+#include "vdbpack/formats/joined_packs.h"
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/space_shares.h"
-#include "vdbpack/run/clock.h"
-#include "vdbpack/run/recipe.h"
 
 #include <fmt/format.h>
 

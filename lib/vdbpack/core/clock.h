@@ -1,4 +1,4 @@
-// Private to runs: seconds of stages.
+// Seconds of stages.
 #pragma once
 
 #include <chrono>

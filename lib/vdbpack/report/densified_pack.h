@@ -1,4 +1,4 @@
-// Private to runs: densifying a pack, and its results in the report.
+// Densifying a pack, and its results in the report.
 #pragma once
 
 #include "vdbpack/core/pack.h"

@@ -1,0 +1,80 @@
+// Warnings of domains that are unlikely, and of settings that have no effect on them.
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_source.h"
+#include "vdbpack/io/text.h"
+#include "vdbpack/mesh/coordinate_step.h"
+
+#include <fmt/format.h>
+
+namespace vdbpack {
+
+namespace {
+
+/// Diagonal below which voxels in 32-bit floats have no digits left, mm.
+constexpr double kSmallestExtent = 1e-4;
+/// Steps between coordinates larger than this share of an edge are steps in the surface; those of a
+/// mesh about the origin (within so many of its lengths) are how it was made.
+constexpr double kStepOfEdge = 0.02, kFarOff = 20;
+
+}  // namespace
+
+void warnOfLostDigits(const TriangleMesh& mesh, const DomainRecipe& recipe,
+                      const Callbacks& callbacks) {
+    const Box<3> box = mesh.bounds();
+    const double extent = length(box.size()), away = length(box.center());
+    if (!(away > kFarOff * extent)) return;
+    const double step = coordinateStep(mesh, recipe.scale * millimetersPer(recipe.unit));
+    const double edge = medianEdge(mesh);
+    if (!(step > kStepOfEdge * edge)) return;
+    callbacks.warn(fmt::format(
+        "{}: lies {:.3g} mm from the origin, and its coordinates come in steps of {:.2g} mm, with "
+        "edges of {:.2g} mm: the file itself has lost digits of the shape; move the mesh to the "
+        "origin where it was made, and export it again",
+        recipe.source, away, step, edge));
+}
+
+void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks& callbacks) {
+    const double extent = length(bounds.size());
+    if (!(extent > kSmallestExtent))
+        throw InputError(fmt::format(
+            "{}: is {:.3g} mm across, too small to compute with; the file is read in {}: check "
+            "`unit` and `scale`",
+            recipe.source, extent, unitName(recipe.unit)));
+    if (extent < 2 || extent > 5000)
+        callbacks.warn(fmt::format(
+            "{}: is {:.3g} mm across, which is unlikely for a bone; the file is read in {}: give "
+            "`unit` m, cm, mm or um if that is wrong",
+            recipe.source, extent, unitName(recipe.unit)));
+}
+
+void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
+                  const Callbacks& callbacks) {
+    const std::string& text = recipe.source;
+    const bool levelSet = extensionOf(text) == ".vdb" || recipe.levelSet;
+    if (!recipe.gridName.empty() && !levelSet)
+        callbacks.warn("`gridName` " + recipe.gridName + " has no effect: " + text + " is no .vdb");
+    const bool image = source.isFile() && isImage(recipe);
+    if (recipe.threshold && !levelSet && !image)
+        callbacks.warn(fmt::format("`threshold` {:g} has no effect: {} is no .vdb and no image",
+                                   *recipe.threshold, text));
+    if (!image && !recipe.label.empty())
+        callbacks.warn("`label` " + recipe.label + " has no effect: " + text + " is no image");
+    if ((levelSet || image) && (recipe.repair || recipe.cavities.any()))
+        callbacks.warn("`repair` and `cavities` have no effect: " + text +
+                       (image ? " is an image" : " is a level set"));
+    if (recipe.shellFrom == ShellFrom::outer && recipe.clips.empty() && !source.hasCavities())
+        callbacks.warn("`shellFrom` outer changes nothing: " + text +
+                       " has neither cavities nor clips");
+    if (source.isFile()) return;
+    if (recipe.repair || recipe.cavities.any())
+        callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a shape");
+    if (recipe.unit != Unit::millimeter)
+        callbacks.warn("`unit` has no effect: " + text + " is a shape, in mm");
+    if (recipe.voxelSize > 0)
+        callbacks.warn(
+            fmt::format("`voxelSize` {:g} has no effect: {} is a shape, whose distances are exact",
+                        recipe.voxelSize, text));
+    if (recipe.scale != 1) callbacks.warn("`scale` has no effect: " + text + " is a shape, in mm");
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,64 @@
+#include "vdbpack/domain/label_domains.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_image.h"
+
+#include <fmt/format.h>
+
+namespace vdbpack {
+
+LabelledImage::LabelledImage(const DomainRecipe& domain, const Callbacks& callbacks)
+    : image_(readDomainImage(domain, callbacks)), labels_(labelsOf(image_)), path_(domain.source) {
+    if (!labels_)
+        throw ParameterError(path_ +
+                             ": is no label map, but has many different values; set `threshold` to "
+                             "the lowest value of bone");
+}
+
+std::vector<LabelPart> LabelledImage::parse(const std::string& text) const {
+    return parseLabels(text, *labels_, path_);
+}
+
+std::size_t LabelledImage::add(const LabelPart& part, const Callbacks& callbacks) {
+    for (const LabelCount& label : part.labels)
+        if (!used_.insert({label.layer, label.value}).second)
+            throw ParameterError(fmt::format("{}: label {} is in two parts", path_, label.value));
+    warnOfBorder(part, image_.grid, path_, callbacks);
+    parts_.push_back(part);
+    return parts_.size() - 1;
+}
+
+void LabelledImage::makeSurfaces() {
+    surfaces_.resize(parts_.size());
+    std::map<std::size_t, std::vector<std::size_t>> layers;
+    for (std::size_t p = 0; p < parts_.size(); ++p) layers[layerOf(p)].push_back(p);
+    for (const auto& [layer, members] : layers) {
+        std::vector<LabelPart> some;
+        for (const std::size_t p : members) some.push_back(parts_[p]);
+        auto meshes = labelSurfaces(image_, *labels_, some);
+        for (std::size_t k = 0; k < members.size(); ++k)
+            surfaces_[members[k]] = std::move(meshes[k]);
+    }
+    image_.bytes.reset();
+}
+
+DomainSource LabelledImage::source(const DomainRecipe& domain, std::size_t part,
+                                   const Callbacks& callbacks) {
+    DomainSource made(domain, std::move(surfaces_[part]), callbacks);
+    made.setImageGrid(image_.grid, image_.isSpaced);
+    return made;
+}
+
+LabelledImage& LabelledImages::of(const DomainRecipe& domain) {
+    const Key key{domain.source, domain.image, domain.voxelSpacing.value_or(Vec<3>{}).c,
+                  domain.unit,   domain.scale, domain.space};
+    const auto known = images_.find(key);
+    if (known != images_.end()) return known->second;
+    return images_.emplace(key, LabelledImage(domain, callbacks_)).first->second;
+}
+
+void LabelledImages::makeSurfaces() {
+    for (auto& [key, image] : images_) image.makeSurfaces();
+}
+
+}  // namespace vdbpack

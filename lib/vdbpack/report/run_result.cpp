@@ -1,0 +1,285 @@
+#include "vdbpack/report/run_result.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <variant>
+
+namespace vdbpack {
+
+nlohmann::ordered_json toJson(const RunResult& run) {
+    const Report& report = run.report;
+    nlohmann::ordered_json json = toJson(report);
+    if (run.vacancies)
+        json["places"] = {{"largest", run.vacancies->largest},
+                          {"radius", run.vacancies->radius},
+                          {"count", run.vacancies->count},
+                          {"samples", run.vacancies->samples}};
+    const FailedChecks failed = failedChecks(report);
+    std::visit(
+        [&](const auto& pack) {
+            if (failed.overlap) json["overlap"]["worst"] = worstJson(*report.overlap, pack);
+            if (failed.protrusion)
+                json["protrusion"]["worst"] = worstJson(*report.protrusion, pack);
+        },
+        run.pack);
+    return json;
+}
+
+std::string summary(const RunResult& run) {
+    std::string text = summary(run.report);
+    if (run.vacancies)
+        text += fmt::format(
+            "vacancies  {} of {} points have room for {:.5g} mm (1.02 mean radii); largest {:.5g} "
+            "mm\n",
+            run.vacancies->count, run.vacancies->samples, run.vacancies->radius,
+            run.vacancies->largest);
+    return text;
+}
+
+std::string failures(const RunResult& run) {
+    const Report& report = run.report;
+    const FailedChecks failed = failedChecks(report);
+    std::string text;
+    std::visit(
+        [&](const auto& pack) {
+            if (failed.overlap) text += describe(*report.overlap, pack);
+            if (failed.protrusion) text += describe(*report.protrusion, pack);
+        },
+        run.pack);
+    if (failed.gap)
+        text += fmt::format("{:<12}FAILED: smallest {:.6g} mm, requested {:.6g} mm\n", "gap",
+                            *report.smallestGap, report.requestedGap);
+    return text;
+}
+
+nlohmann::ordered_json toJson(const MeasureResult& result) {
+    if (!result.morphometry) {
+        auto json = toJson(result.run);
+        addTo(json, result.structure);
+        if (result.spheres) {
+            auto solid = toJson(result.spheres->morphometry);
+            solid["of"] = "spheres";
+            solid["dilation"] = result.spheres->dilation;
+            solid["dilationOfMeanRadius"] = result.spheres->dilationOfMeanRadius;
+            json["morphometry"] = std::move(solid);
+        }
+        return json;
+    }
+    const Report& report = result.run.report;
+    return {{"version", report.version},
+            {"command", report.command},
+            {"threads", report.threads},
+            {"domain",
+             {{"kind", report.domain.kind.empty() ? nlohmann::ordered_json()
+                                                  : nlohmann::ordered_json(report.domain.kind)}}},
+            {"morphometry", toJson(*result.morphometry)},
+            {"seconds",
+             {{"mesh", report.seconds.mesh},
+              {"domain", report.seconds.domain},
+              {"measure", report.seconds.measure},
+              {"total", report.seconds.total}}},
+            {"peakMemoryBytes", report.peakMemoryBytes}};
+}
+
+std::string summary(const MeasureResult& result) {
+    const Report& report = result.run.report;
+    if (!result.morphometry) {
+        std::string text = summary(report) + summary(result.structure);
+        if (!result.spheres) return text;
+        return text +
+               fmt::format(
+                   "union of the spheres as a solid, radii increased by {:.4g} mm ({:.3g} of "
+                   "the mean):\n",
+                   result.spheres->dilation, result.spheres->dilationOfMeanRadius) +
+               summary(result.spheres->morphometry);
+    }
+    return (report.domain.kind.empty()
+                ? fmt::format("{:<11}none: TV is the bounding box of the solid, or the image\n",
+                              "domain")
+                : fmt::format("{:<11}{}\n", "domain", report.domain.kind)) +
+           summary(*result.morphometry) +
+           fmt::format(
+               "{:<11}read {:.2f}, domain {:.2f}, measure {:.2f}, total {:.2f} on {} "
+               "threads\n{:<11}{:.0f} MiB at most\n",
+               "seconds", report.seconds.mesh, report.seconds.domain, report.seconds.measure,
+               report.seconds.total, report.threads, "memory",
+               static_cast<double>(report.peakMemoryBytes) / (1 << 20));
+}
+
+nlohmann::ordered_json toJson(const ConvertResult& result) {
+    nlohmann::ordered_json json{{"version", VDBPACK_VERSION}, {"kind", result.kind}};
+    if (result.count > 0) json["count"] = result.count;
+    if (result.hash != 0) json["hash"] = hashText(result.hash);
+    json["files"] = result.files;
+    json["warnings"] = result.warnings;
+    return json;
+}
+
+std::string summary(const ConvertResult& result) {
+    std::string text = result.kind == "level set" ? "read       a level set\n"
+                       : result.kind == "mesh"
+                           ? fmt::format("read       a mesh of {} triangles\n", result.count)
+                           : fmt::format("read       {} {}, hash {}\n", result.count, result.kind,
+                                         hashText(result.hash));
+    for (const std::string& file : result.files) text += fmt::format("written    {}\n", file);
+    return text;
+}
+
+nlohmann::ordered_json toJson(const ViewResult& result) {
+    return {{"version", VDBPACK_VERSION}, {"kind", result.kind},   {"count", result.count},
+            {"file", result.file},        {"bytes", result.bytes}, {"warnings", result.warnings}};
+}
+
+std::string summary(const ViewResult& result) {
+    return fmt::format("{:<11}{} {}\n{:<11}{} ({:.3g} MB)\n", "read", grouped(result.count),
+                       result.kind, "written", result.file,
+                       static_cast<double>(result.bytes) / 1e6);
+}
+
+nlohmann::json toJson(const MeshResult& result) {
+    nlohmann::json json = toJson(result.health);
+    if (result.repair) {
+        json["repair"] = toJson(*result.repair);
+        json["repair"]["warnings"] = repairWarnings(*result.repair, result.source);
+    }
+    addJson(json, result.fitness, result.source);
+    if (!result.files.empty()) json["files"] = result.files;
+    return json;
+}
+
+namespace {
+
+std::string row(const char* name, const std::string& value) {
+    return fmt::format("{:<22}{}\n", name, value);
+}
+
+/// What a repair did, or would do.
+std::string repairRows(const RepairReport& r) {
+    std::string text;
+    for (const auto& line : repairLines(r)) text += row(text.empty() ? "repair" : "", line);
+    return text;
+}
+
+std::string fitnessRows(const MeshResult& result) {
+    const MeshFitness& fitness = result.fitness;
+    using Verdict = MeshFitness::Verdict;
+    std::string text = row("fit to be packed", fitness.verdict == Verdict::yes  ? "yes"
+                                               : fitness.verdict == Verdict::no ? "no"
+                                               : result.repair                  ? "yes, as repaired"
+                                                               : "with `repair`; not as it is");
+    for (const auto& reason : fitness.reasons) text += row("", reason);
+    if (result.repair || fitness.verdict != Verdict::withRepair || !fitness.repair) return text;
+    text += "\nwith `repair`\n" + repairRows(*fitness.repair);
+    for (const auto& warning : repairWarnings(*fitness.repair, result.source))
+        text += row("warning", warning);
+    return text;
+}
+
+}  // namespace
+
+std::string summary(const MeshResult& result) {
+    std::string text;
+    if (result.repair)
+        text +=
+            toText(result.repair->before) + "\n" + repairRows(*result.repair) + "\nrepaired mesh\n";
+    text += toText(result.health) + fitnessRows(result);
+    for (const auto& file : result.files) text += row("written", file);
+    return text;
+}
+
+std::string failures(const MeshResult& result) {
+    if (result.passed) return "";
+    const bool repairable = result.fitness.verdict == MeshFitness::Verdict::withRepair;
+    std::string text =
+        fmt::format("{}: not fit to be packed{}\n", result.source,
+                    repairable ? " as it is. Set `repair`, and check what that changes" : "");
+    for (const auto& reason : result.fitness.reasons) text += "  " + reason + "\n";
+    return text;
+}
+
+namespace {
+
+const char* nameOf(ImageSpace space) {
+    return space == ImageSpace::lps ? "LPS" : "RAS";
+}
+
+}  // namespace
+
+nlohmann::json toJson(const ImageResult& r) {
+    nlohmann::json json{{"source", r.source},
+                        {"format", r.format},
+                        {"type", r.type},
+                        {"size", r.grid.size},
+                        {"layers", r.layers},
+                        {"spacing", r.grid.spacing().c},
+                        {"space", nameOf(r.space)},
+                        {"orientation", r.grid.orientation()},
+                        {"origin", r.grid.origin.c},
+                        {"range", {r.lowest, r.highest}},
+                        {"labels", nullptr},
+                        {"warnings", r.warnings}};
+    for (const Vec<3>& step : r.grid.step) json["directions"].push_back(normalized(step).c);
+    if (!r.labels) return json;
+    const double voxel = std::fabs(r.grid.signedVoxelVolume());
+    json["labels"] = nlohmann::json::array();
+    json["contacts"] = nlohmann::json::array();
+    for (std::size_t i = 0; i < r.labels->size(); ++i) {
+        const LabelCount& label = (*r.labels)[i];
+        json["labels"].push_back({{"value", label.value},
+                                  {"name", label.name},
+                                  {"layer", label.layer},
+                                  {"voxels", label.voxels},
+                                  {"volume", voxel * static_cast<double>(label.voxels)},
+                                  {"components", r.relations.components[i]}});
+    }
+    for (const LabelContact& contact : r.relations.contacts)
+        json["contacts"].push_back(
+            {{"labels", {(*r.labels)[contact.first].value, (*r.labels)[contact.second].value}},
+             {"layer", (*r.labels)[contact.first].layer},
+             {"faces", contact.faces}});
+    return json;
+}
+
+std::string summary(const ImageResult& r) {
+    const auto row = [](const char* name, const std::string& value) {
+        return fmt::format("{:<12}{}\n", name, value);
+    };
+    const Vec<3> s = r.grid.spacing(), o = r.grid.origin;
+    std::string text =
+        row("image", fmt::format("{}, {}{}", r.format, r.type,
+                                 r.layers > 1 ? fmt::format(", {} layers", r.layers) : ""));
+    text +=
+        row("size", fmt::format("{} x {} x {} voxels of {:.6g} x {:.6g} x {:.6g} mm",
+                                r.grid.size[0], r.grid.size[1], r.grid.size[2], s[0], s[1], s[2]));
+    text += row("axes", fmt::format("{}: the directions of the patient in which indices grow",
+                                    r.grid.orientation()));
+    for (const Vec<3>& step : r.grid.step) {
+        const Vec<3> d = normalized(step);
+        text += row(
+            "", fmt::format("{:>10.6f} {:>10.6f} {:>10.6f}", d[0] + 0.0, d[1] + 0.0, d[2] + 0.0));
+    }
+    text += row("first voxel", fmt::format("({:.6g}, {:.6g}, {:.6g}) mm in {}", o[0], o[1], o[2],
+                                           nameOf(r.space)));
+    text += row("values", fmt::format("{:g} to {:g}", r.lowest, r.highest));
+    if (!r.labels)
+        return text + row("labels", "none: a grey image, of which `threshold` V takes a part");
+    const double voxel = std::fabs(r.grid.signedVoxelVolume());
+    text += fmt::format("\n{:>8} {:>10} {:>13} {:>10}  {}\n", "label", "voxels", "volume, mm³",
+                        "components", "name");
+    for (std::size_t i = 0; i < r.labels->size(); ++i) {
+        const LabelCount& label = (*r.labels)[i];
+        text += fmt::format("{:>8} {:>10} {:>12.5g} {:>11}  {}\n", label.value, label.voxels,
+                            voxel * static_cast<double>(label.voxels), r.relations.components[i],
+                            label.name);
+    }
+    if (r.relations.contacts.empty()) return text;
+    text += fmt::format("\n{:>8} {:>8} {:>10}\n", "touches", "", "faces");
+    for (const LabelContact& contact : r.relations.contacts)
+        text += fmt::format("{:>8} {:>8} {:>10}\n", (*r.labels)[contact.first].value,
+                            (*r.labels)[contact.second].value, contact.faces);
+    return text;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,131 @@
+// What runs return, and print.
+#pragma once
+
+#include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/core/pack.h"
+#include "vdbpack/domain/domain_recipe.h"
+#include "vdbpack/domain/mesh_fitness.h"
+#include "vdbpack/image/image_surface.h"
+#include "vdbpack/image/label_relations.h"
+#include "vdbpack/measure/morphometry/morphometry.h"
+#include "vdbpack/measure/structure.h"
+#include "vdbpack/repair/mesh_repair.h"
+#include "vdbpack/report/page_frame.h"
+#include "vdbpack/report/report.h"
+#include "vdbpack/verify/verify.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace vdbpack {
+
+class VdbGrid;
+
+/// What a search for vacancies at sample points found.
+struct VacancySearch {
+    double largest = 0;         ///< largest clearance of a sample point to wall and spheres, mm
+    double radius = 0;          ///< 1.02 mean radii, mm
+    std::uint64_t count = 0;    ///< sample points with a clearance of `radius` or more
+    std::uint64_t samples = 0;  ///< requested points, distributed over the domain
+};
+
+struct RunResult {
+    Report report;
+    PagePicture picture;  ///< as requested, or of the report page; the view of the page
+    std::optional<VacancySearch> vacancies;  ///< if requested
+    std::variant<Pack<3>, Pack<2>> pack;
+    std::variant<std::vector<Ellipsoid<3>>, std::vector<Ellipsoid<2>>> voids;
+    /// Of runs in space with voids: `surface`, `voids` and `solid`.
+    std::vector<std::shared_ptr<const VdbGrid>> levelSets;
+    bool passed = false;  ///< no check failed (`failedChecks`)
+};
+
+/// The report as JSON; where a check failed, the spheres at fault under `worst`
+/// of the check.
+nlohmann::ordered_json toJson(const RunResult& run);
+/// For people: the summary of the report, and the vacancies; ends with a newline.
+std::string summary(const RunResult& run);
+/// For people: each check that failed, and the spheres at fault, a line each; empty if all passed.
+std::string failures(const RunResult& run);
+
+/// The spheres of a pack as one solid.
+struct SphereMorphometry {
+    double dilation = 0;              ///< mm added to the radii
+    double dilationOfMeanRadius = 0;  ///< the same in mean radii
+    Morphometry morphometry;
+};
+
+struct MeasureResult {
+    RunResult run;                             ///< of a level set: its report has no spheres
+    Structure structure;                       ///< of a pack
+    std::optional<Morphometry> morphometry;    ///< of a level set
+    std::optional<SphereMorphometry> spheres;  ///< of a pack, if requested
+};
+
+nlohmann::ordered_json toJson(const MeasureResult& result);
+/// For people; ends with a newline.
+std::string summary(const MeasureResult& result);
+
+struct ConvertResult {
+    std::string kind;         ///< "spheres", "circles", "level set" or "mesh"
+    std::uint64_t count = 0;  ///< spheres, circles or triangles; of a level set 0
+    std::uint64_t hash = 0;   ///< of a pack, in mm
+    std::vector<std::string> files, warnings;
+};
+
+nlohmann::ordered_json toJson(const ConvertResult& result);
+/// For people; ends with a newline.
+std::string summary(const ConvertResult& result);
+
+struct ViewResult {
+    std::string kind;         ///< "spheres" or "circles"
+    std::uint64_t count = 0;  ///< of the pack
+    std::string file;         ///< the page
+    std::uint64_t bytes = 0;  ///< of it
+    std::vector<std::string> warnings;
+};
+
+nlohmann::ordered_json toJson(const ViewResult& result);
+/// For people; ends with a newline.
+std::string summary(const ViewResult& result);
+
+struct MeshResult {
+    TriangleMesh mesh;                   ///< as it was read, or repaired; mm
+    MeshHealth health;                   ///< of the mesh; with `repair`, of the repaired mesh
+    std::optional<RepairReport> repair;  ///< contains the health before the repair
+    MeshFitness fitness;
+    bool passed = true;  ///< false: `check` was requested, and the mesh cannot be packed
+    std::string source;  ///< its file
+    std::vector<std::string> files;
+};
+
+/// The members of the health, `fit` and `reasons`; `repair` and `files` where there are any;
+/// without a repair `withRepair`, what it would do, null if it is not needed.
+nlohmann::json toJson(const MeshResult& result);
+std::string summary(const MeshResult& result);
+/// Why a mesh did not pass, a line each.
+std::string failures(const MeshResult& result);
+
+struct ImageResult {
+    std::string source, format, type;
+    ImageSpace space = ImageSpace::lps;
+    ImageGrid grid;
+    std::size_t layers = 1;
+    double lowest = 0, highest = 0;                 ///< values, of those that are numbers
+    std::optional<std::vector<LabelCount>> labels;  ///< nothing: a grey image
+    LabelRelations relations;                       ///< of the labels
+    std::vector<std::string> warnings;
+};
+
+/// Lengths in mm: `format`, `type`, `size`, `spacing`, `orientation`, `space`, `origin`,
+/// `directions` (one axis a row), `range`, `labels` (null for grey images), `contacts`.
+nlohmann::json toJson(const ImageResult& result);
+std::string summary(const ImageResult& result);
+
+}  // namespace vdbpack

@@ -1,0 +1,143 @@
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/label_domains.h"
+#include "vdbpack/report/page_frame.h"
+#include "vdbpack/run/run_parts.h"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+bool isLabelMap(const DomainRecipe& domain) {
+    return isImage(domain) && !domain.threshold;
+}
+
+/// Refuses what is done for one domain alone. @throws ParameterError
+void checkPartsRecipe(const PackRecipe& recipe) {
+    const auto refuse = [](bool wanted, const char* what) {
+        if (wanted)
+            throw ParameterError(fmt::format(
+                "{}: is not done for several parts; leave it out, or pack them one by one", what));
+    };
+    refuse(!recipe.existing.empty(), "`existing`");
+    refuse(recipe.packing.maxCount > 0, "`maxCount`");
+    refuse(recipe.domain.slice.has_value(), "`slice`");
+    refuse(recipe.ranks != nullptr, "mpirun");
+    refuse(isPage(recipe.reportFile), "a report page (a .json is written)");
+    for (const PackRecipe& part : recipe.parts) {
+        const GreyRecipe &own = part.grey, &all = recipe.grey;
+        const bool others = (!own.samples.empty() && own.samples != all.samples) ||
+                            (!own.calibration.empty() && own.calibration != all.calibration);
+        if (others)
+            throw ParameterError(part.name +
+                                 ": `samples` and `calibration` are those of all parts; give them "
+                                 "outside of the parts");
+        if (!own.modulus.empty() && all.calibration.empty())
+            throw ParameterError(part.name +
+                                 ": `modulus` is a column beside densities from grey values; set "
+                                 "`calibration`");
+    }
+}
+
+/// The parts that labels of an image are, one recipe each.
+std::vector<PackRecipe> labelRecipes(const PackRecipe& recipe,
+                                     const std::vector<LabelPart>& parts) {
+    std::vector<PackRecipe> recipes;
+    for (const LabelPart& part : parts) {
+        PackRecipe one = recipe;
+        one.domain.label.clear();
+        for (const LabelCount& label : part.labels)
+            one.domain.label += fmt::format("{}{}@{}", one.domain.label.empty() ? "" : "+",
+                                            label.value, label.layer);
+        one.name = part.name;
+        one.parts.clear();
+        recipes.push_back(std::move(one));
+    }
+    return recipes;
+}
+
+/// The recipes of the parts: as given, or one a label; none if there is one domain.
+std::vector<PackRecipe> recipesOf(const PackRecipe& recipe, LabelledImages& images) {
+    if (!recipe.parts.empty()) return recipe.parts;
+    const std::string& label = recipe.domain.label;
+    if (!isLabelMap(recipe.domain) || (label != "all" && label.find(',') == std::string::npos))
+        return {};
+    auto recipes = labelRecipes(recipe, images.of(recipe.domain).parse(label));
+    if (recipes.size() == 1 && label == "all") recipes.clear();
+    return recipes;
+}
+
+/// Refuses what a part cannot be, names it, and leaves files and pictures to all parts together.
+void settle(std::vector<PackRecipe>& recipes, std::size_t k) {
+    PackRecipe& recipe = recipes[k];
+    checkPartsRecipe(recipe);
+    if (recipe.name.empty()) recipe.name = fmt::format("part {}", k);
+    for (std::size_t l = 0; l < k; ++l)
+        if (recipes[l].name == recipe.name)
+            throw ParameterError("two parts are named '" + recipe.name +
+                                 "'; give each a name of its own");
+    recipe.preview = {};
+    recipe.outputs.clear();
+}
+
+LabelPlace placeOf(const PackRecipe& recipe, LabelledImages& images, const Callbacks& callbacks) {
+    if (!isLabelMap(recipe.domain)) return {};
+    LabelledImage& image = images.of(recipe.domain);
+    const std::string& label = recipe.domain.label;
+    const auto parts = image.parse(label.empty() ? "all" : label);
+    if (parts.size() != 1 && label.empty())
+        throw ParameterError(fmt::format("{}: {} has {} labels; set `label` to that of the part",
+                                         recipe.name, recipe.domain.source, parts.size()));
+    if (parts.size() != 1)
+        throw ParameterError(
+            fmt::format("{}: names {} labels of {}; a part is one, or several joined by +",
+                        recipe.name, parts.size(), recipe.domain.source));
+    return {&image, image.add({recipe.name, parts.front().labels}, callbacks)};
+}
+
+/// A later part has the space; labels of one layer leave one another theirs.
+void cutByLater(const std::vector<LabelPlace>& places, Parts& parts) {
+    for (std::size_t k = 0; k < parts.size(); ++k)
+        for (std::size_t l = k + 1; l < parts.size(); ++l) {
+            DomainSource &earlier = *parts[k].source, &later = *parts[l].source;
+            if (places[k].sharesLayerWith(places[l])) continue;
+            if (!intersection(earlier.domainBounds(), later.domainBounds()).empty())
+                earlier.cutBy(later);
+        }
+}
+
+}  // namespace
+
+Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
+    LabelledImages images(callbacks);
+    std::vector<PackRecipe> recipes = recipesOf(recipe, images);
+    if (recipes.empty()) return {};
+    checkPartsRecipe(recipe);
+    // Labels first, all of an image at once.
+    std::vector<LabelPlace> places;
+    for (std::size_t k = 0; k < recipes.size(); ++k) {
+        settle(recipes, k);
+        places.push_back(placeOf(recipes[k], images, callbacks));
+    }
+    images.makeSurfaces();
+    Parts parts;
+    for (std::size_t k = 0; k < recipes.size(); ++k) {
+        callbacks.stopIfCancelled();
+        const DomainRecipe& domain = recipes[k].domain;
+        const LabelPlace& place = places[k];
+        auto source = std::make_shared<DomainSource>(
+            place.image ? place.image->source(domain, place.part, callbacks)
+                        : DomainSource(domain, callbacks));
+        if (source->dim() != 3)
+            throw ParameterError(recipes[k].name + ": parts fill domains of space");
+        parts.push_back({std::move(recipes[k]), std::move(source)});
+    }
+    cutByLater(places, parts);
+    return parts;
+}
+
+}  // namespace vdbpack
