@@ -118,7 +118,6 @@ void requireNoSpheres(const ConvertRecipe& recipe) {
 
 /// A level set or a mesh.
 void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Callbacks& callbacks) {
-    requireNoSpheres(recipe);
     const std::string generator = std::string("vdb_pack ") + VDBPACK_VERSION;
     RunOutputs<3> have;
     have.options.unit = recipe.outUnit;
@@ -132,6 +131,7 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
         mesh = readMesh(recipe.pack, read);
         result.count = mesh->triangles.size();
     }
+    requireNoSpheres(recipe);
     for (const OutputTarget& output : recipe.outputs) {
         callbacks.report("write", 0, 0);
         // A mesh needs no detour over voxels.
