@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace vdbpack {
@@ -70,6 +71,32 @@ double solidLikeOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks,
     return all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0;
 }
 
+/// Warns if the result differs from the request.
+/// @param crystalline  share of spheres in crystalline order, if there are too many.
+template <int Dim>
+void warnOfResult(const DensifyResult<Dim>& result, double fraction, const PeriodicCell<Dim>& cell,
+                  std::optional<double> crystalline, const Callbacks& callbacks) {
+    if (!result.interrupted && !result.apart)
+        callbacks.warn(
+            fmt::format("densify: the overlaps of the input {} were not resolved in {} steps; the "
+                        "pack is unchanged. There are too many for the domain, or some lie far "
+                        "outside it",
+                        Measure<Dim>::kSpheres, result.steps));
+    else if (!result.interrupted && !result.reached && std::isfinite(fraction))
+        callbacks.warn(fmt::format(
+            "densify: the solid fraction {} was requested, {:.4f} was reached{}", fraction,
+            result.after,
+            cell.all() ? std::string()
+                       : fmt::format("; smaller {} reach more", Measure<Dim>::kSpheres)));
+    if (crystalline)
+        callbacks.warn(fmt::format(
+            "densify: {:.0f} % of the spheres are in crystalline order: nearly equal "
+            "ones reach {:.4f} in no other way here. Request a lower solid fraction{}",
+            100 * *crystalline, result.after,
+            std::isfinite(fraction) ? ", or max for the densest pack that is about random"
+                                    : " for a pack that is random along its walls, too"));
+}
+
 }  // namespace
 
 template <int Dim>
@@ -113,27 +140,9 @@ void densifyPack(const Domain<Dim>& domain, DensifyOptions options,
         pieces = std::move(result.pieces);
     }
     if (!options.local && !result.regions.empty()) pack.region = std::move(result.regions);
-    if (result.interrupted)
-        report.interrupted = true;
-    else if (!result.apart)
-        callbacks.warn(
-            fmt::format("densify: the overlaps of the input {} were not resolved in {} steps; the "
-                        "pack is unchanged. There are too many for the domain, or some lie far "
-                        "outside it",
-                        Measure<Dim>::kSpheres, result.steps));
-    else if (!result.reached && std::isfinite(options.fraction))
-        callbacks.warn(fmt::format(
-            "densify: the solid fraction {} was requested, {:.4f} was reached{}", options.fraction,
-            result.after,
-            domain.cell().all() ? std::string()
-                                : fmt::format("; smaller {} reach more", Measure<Dim>::kSpheres)));
-    if (crystallized)
-        callbacks.warn(fmt::format(
-            "densify: {:.0f} % of the spheres are in crystalline order: nearly equal "
-            "ones reach {:.4f} in no other way here. Request a lower solid fraction{}",
-            100 * told.solidLike.value_or(0), result.after,
-            std::isfinite(options.fraction) ? ", or max for the densest pack that is about random"
-                                            : " for a pack that is random along its walls, too"));
+    report.interrupted = report.interrupted || result.interrupted;
+    warnOfResult(result, options.fraction, domain.cell(),
+                 crystallized ? told.solidLike : std::nullopt, callbacks);
     told.seconds = clock.lap();
     report.densified = told;
 }

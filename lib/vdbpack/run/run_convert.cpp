@@ -17,27 +17,31 @@ namespace vdbpack {
 
 namespace {
 
+/// Refuses outputs for which spheres without a domain have nothing.
+void checkWithoutDomain(const ConvertRecipe& recipe, const Callbacks& callbacks) {
+    if (!recipe.domain.source.empty()) return;
+    for (const OutputTarget& output : recipe.outputs)
+        if (output.isSolid() && (output.file != output.text || output.extension() == ".stl"))
+            throw ParameterError(output.text +
+                                 ": spheres alone have no surface; set their `domain`, or name "
+                                 "a level set of a .vdb with `packGrid`");
+    for (const OutputTarget& output : recipe.outputs) {
+        if (output.extension() != ".vdb" || output.file != output.text) continue;
+        if (holdsLevelSet(output.file))
+            throw ParameterError(output.text +
+                                 ": holds level sets, which the spheres alone would replace; "
+                                 "write to another file, or set `domain`");
+        if (extensionOf(recipe.pack) == ".vdb" && holdsLevelSet(recipe.pack))
+            callbacks.warn(output.text + ": gets the spheres of " + recipe.pack +
+                           ", not its level sets; set `domain` for that of the domain");
+    }
+}
+
 template <int Dim>
 void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& result,
                  const Callbacks& callbacks) {
     checkOutputKinds(recipe.outputs, RunKind::convert, {}, Dim);
-    for (const OutputTarget& output : recipe.outputs)
-        if (recipe.domain.source.empty() && output.isSolid() &&
-            (output.file != output.text || output.extension() == ".stl"))
-            throw ParameterError(output.text +
-                                 ": spheres alone have no surface; set their `domain`, or name "
-                                 "a level set of a .vdb with `packGrid`");
-    if (recipe.domain.source.empty())
-        for (const OutputTarget& output : recipe.outputs) {
-            if (output.extension() != ".vdb" || output.file != output.text) continue;
-            if (holdsLevelSet(output.file))
-                throw ParameterError(output.text +
-                                     ": holds level sets, which the spheres alone would replace; "
-                                     "write to another file, or set `domain`");
-            if (extensionOf(recipe.pack) == ".vdb" && holdsLevelSet(recipe.pack))
-                callbacks.warn(output.text + ": gets the spheres of " + recipe.pack +
-                               ", not its level sets; set `domain` for that of the domain");
-        }
+    checkWithoutDomain(recipe, callbacks);
     RunOutputs<Dim> have;
     have.pack = &pack;
     PackWriteOptions& write = have.options;
@@ -113,7 +117,6 @@ void requireNoSpheres(const ConvertRecipe& recipe) {
 
 /// A level set or a mesh.
 void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Callbacks& callbacks) {
-    requireNoSpheres(recipe);
     const std::string generator = std::string("vdb_pack ") + VDBPACK_VERSION;
     RunOutputs<3> have;
     have.options.unit = recipe.outUnit;
@@ -127,6 +130,7 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
         mesh = readMesh(recipe.pack, read);
         result.count = mesh->triangles.size();
     }
+    requireNoSpheres(recipe);
     for (const OutputTarget& output : recipe.outputs) {
         callbacks.report("write", 0, 0);
         // A mesh needs no detour over voxels.
