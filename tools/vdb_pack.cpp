@@ -10,6 +10,7 @@
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/dry_run.h"
+#include "vdbpack/report/image_result.h"
 #include "vdbpack/run/run.h"
 
 #include <fmt/format.h>

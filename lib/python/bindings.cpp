@@ -10,6 +10,7 @@
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/options/command_line.h"
 #include "vdbpack/run/dry_run.h"
+#include "vdbpack/report/image_result.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/verify/verify.h"
 

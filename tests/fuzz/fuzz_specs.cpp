@@ -3,7 +3,7 @@
 
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/pack/size_distribution.h"
-#include "vdbpack/voids/angle_distribution.h"
+#include "vdbpack/voids/orientation.h"
 
 #include <algorithm>
 #include <string_view>

@@ -5,7 +5,6 @@
 
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/symmetric.h"
-#include "vdbpack/voids/angle_distribution.h"
 #include "vdbpack/voids/orientation.h"
 
 namespace {

@@ -3,14 +3,10 @@
 
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/pack.h"
-#include "vdbpack/domain/domain_recipe.h"
 #include "vdbpack/domain/mesh_fitness.h"
-#include "vdbpack/image/image_surface.h"
-#include "vdbpack/image/label_relations.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/measure/structure.h"
 #include "vdbpack/repair/mesh_repair.h"
-#include "vdbpack/report/page_frame.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/verify/verify.h"
 
@@ -111,21 +107,5 @@ nlohmann::json toJson(const MeshResult& result);
 std::string summary(const MeshResult& result);
 /// Why a mesh did not pass, a line each.
 std::string failures(const MeshResult& result);
-
-struct ImageResult {
-    std::string source, format, type;
-    ImageSpace space = ImageSpace::lps;
-    ImageGrid grid;
-    std::size_t layers = 1;
-    double lowest = 0, highest = 0;                 ///< values, of those that are numbers
-    std::optional<std::vector<LabelCount>> labels;  ///< nothing: a grey image
-    LabelRelations relations;                       ///< of the labels
-    std::vector<std::string> warnings;
-};
-
-/// Lengths in mm: `format`, `type`, `size`, `spacing`, `orientation`, `space`, `origin`,
-/// `directions` (one axis a row), `range`, `labels` (null for grey images), `contacts`.
-nlohmann::json toJson(const ImageResult& result);
-std::string summary(const ImageResult& result);
 
 }  // namespace vdbpack

@@ -11,6 +11,8 @@
 
 namespace vdbpack {
 
+struct ImageResult;
+
 /// Domain, pack, measure, check, write: the whole of `vdb_pack pack`.
 ///
 /// Outputs are checked before the work and written whole or not at all; a pack that fails its own
@@ -89,7 +91,8 @@ ViewResult runView(const ViewRecipe& recipe, const Callbacks& callbacks = {});
 /// ResourceError
 MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks = {});
 
-/// Reads an image and relates its labels. @throws as `readImage`
+/// Reads an image and relates its labels: the whole of `vdb_pack image` (report/image_result.h).
+/// @throws as `readImage`
 ImageResult runImage(const ImageRecipe& recipe, const Callbacks& callbacks = {});
 
 }  // namespace vdbpack

@@ -3,6 +3,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/domain_image.h"
 #include "vdbpack/image/image_file.h"
+#include "vdbpack/report/image_result.h"
 #include "vdbpack/run/run.h"
 
 #include <tuple>

@@ -1,4 +1,4 @@
-#include "vdbpack/voids/angle_distribution.h"
+#include "vdbpack/voids/orientation.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"

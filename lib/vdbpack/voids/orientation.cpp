@@ -5,7 +5,6 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/voids/angle_distribution.h"
 #include "vdbpack/voids/direction_field.h"
 #include "vdbpack/voids/field_points.h"
 
