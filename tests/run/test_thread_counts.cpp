@@ -5,6 +5,7 @@
 #include "support/paths.h"
 #include "support/test.h"
 
+#include "vdbpack/core/rng.h"
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"

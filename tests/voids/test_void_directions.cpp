@@ -2,6 +2,7 @@
 #include "support/jobs.h"
 #include "support/test.h"
 
+#include "vdbpack/core/rng.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/voids/void_list.h"
 
