@@ -94,11 +94,14 @@ void imageOptions(OptionList& rows, DomainRecipe& domain) {
 void imagePlacement(OptionList& rows, DomainRecipe& domain) {
     rows.group("Domain");
     rows.custom(
-        "voxel-spacing", "X,Y,Z|D",
-        "distances of voxels, mm: of an image whose files state none, such as TIFF; else "
-        "of the label maps that are written (-o labels:FILE)",
-        [&domain](const std::string& text) { domain.voxelSpacing = parseVoxelSpacing(text); },
-        [&domain] { return domain.voxelSpacing ? textOf(*domain.voxelSpacing) : std::string(); });
+            "voxel-spacing", "X,Y,Z|D",
+            "distances of voxels, mm: of an image whose files state none, such as TIFF; else "
+            "of the label maps that are written (-o labels:FILE)",
+            [&domain](const std::string& text) { domain.voxelSpacing = parseVoxelSpacing(text); },
+            [&domain] {
+                return domain.voxelSpacing ? textOf(*domain.voxelSpacing) : std::string();
+            })
+        .of(OptionKind::numbers);
     rows.choice("space", "lps|ras [lps]", domain.space, kSpaces,
                 "axes of the world of images: lps (x to the left, y to the back, as in DICOM) or "
                 "ras (x to the right, y to the front, as in NIfTI)");

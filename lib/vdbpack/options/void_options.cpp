@@ -175,6 +175,7 @@ void VoidRows::addDirections() const {
             "void-axis", "X,Y,Z", "direction of the long axes",
             [&orientation](const std::string& text) { orientation.axis = VoidAxis::parse(text); },
             [&orientation] { return orientation.axis ? orientation.axis->text : ""; })
+        .of(OptionKind::numbers)
         .as("orientation.axis");
     rows.text("void-field", "FILE", orientation.field,
               "direction of the long axes at each position: .vdb (vectors, or the main axis of a "

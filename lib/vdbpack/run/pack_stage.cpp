@@ -79,6 +79,7 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
     const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
     std::optional<MadeVoids<Dim>> voids;
     CountedSpheres<Dim> counted;
+    counted.warns = false;  // the run judges what it writes (`warnOfCount`)
     if (recipe.voids.as<FrontHoles>())
         target /= prepared.radii.share;  // about; `packToKeep` comes nearer
     else
