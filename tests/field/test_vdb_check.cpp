@@ -123,7 +123,10 @@ TEST_CASE("files of newer versions are read where they hold the grids that are k
     const auto surface = ball();
     const auto other = openvdb::Int32Grid::create(7);
     other->setName("other");
-    files.save({surface, other, surface->deepCopy()}, openvdb::io::COMPRESS_BLOSC);
+    const auto later = openvdb::gridPtrCast<openvdb::FloatGrid>(surface->deepCopyGrid());
+    later->setName("voids");
+    later->transform().postScale(2.0);
+    files.save({later, surface, other, surface->deepCopy()}, openvdb::io::COMPRESS_BLOSC);
     std::string content = contentOf(files.file("f.vdb"));
     // What OpenVDB 13 writes: version 225, and grids of types that older ones do not know.
     const std::string type = "Tree_int32_5_4_3";
@@ -133,6 +136,8 @@ TEST_CASE("files of newer versions are read where they hold the grids that are k
         const std::string path = files.put(with(content, 8, version));
         const TriangleMesh mesh = levelSetMesh(path, "surface", 1);
         CHECK(mesh.triangles.size() > 100);
+        CHECK(levelSetMesh(path, "", 1).vertices == mesh.vertices);  // the first by name
+        CHECK(levelSetMesh(path, "voids", 1).vertices != mesh.vertices);
         CHECK(levelSetMesh(path, "surface[1]", 1).vertices == mesh.vertices);
         try {
             levelSetMesh(path, "other", 1);

@@ -26,6 +26,9 @@ VdbArchive::VdbArchive(const std::string& path) : stream_(path, std::ios::binary
     openvdb::MetaMap().readMeta(stream_);
     const std::int32_t count = readGridCount(stream_);
     for (std::int32_t i = 0; i < count; ++i) entries_.push_back(readEntry());
+    std::stable_sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
+        return a.descriptor.uniqueName() < b.descriptor.uniqueName();
+    });
 }
 
 void VdbArchive::readHeader() {

@@ -22,12 +22,12 @@ public:
     /// @throws IoError, std::exception if the file cannot be read.
     explicit VdbArchive(const std::string& path);
 
-    /// The first grid whose head, without values, `wanted` accepts: with its values; null if there
-    /// is none.
+    /// The first grid by name whose head, without values, `wanted` accepts: with its values; null
+    /// if there is none.
     openvdb::GridBase::Ptr find(const std::function<bool(const openvdb::GridBase&)>& wanted);
     /// Whether grid `head` is named so: by its name or, among several of one name, "name[1]".
     bool isNamed(const openvdb::GridBase& head, const std::string& name) const;
-    /// The heads of the grids whose type is registered, in the order of the file.
+    /// The heads of the grids whose type is registered, ordered by name.
     std::vector<openvdb::GridBase::ConstPtr> heads() const;
     /// The names and types of all grids, for messages: at most 500 characters.
     std::string list() const;
