@@ -6,6 +6,7 @@
 #include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
