@@ -9,7 +9,6 @@
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/dry_run.h"
 #include "vdbpack/report/image_result.h"
 #include "vdbpack/run/run.h"
 

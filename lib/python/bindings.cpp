@@ -9,7 +9,6 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/options/command_line.h"
-#include "vdbpack/run/dry_run.h"
 #include "vdbpack/report/image_result.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/verify/verify.h"

@@ -51,7 +51,6 @@
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/preview/preview.h"
 #include "vdbpack/repair/mesh_repair.h"
-#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/verify/verify.h"
 #include "vdbpack/voids/cull.h"

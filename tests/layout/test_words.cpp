@@ -94,6 +94,19 @@ TEST_CASE("texts avoid words that have to be read twice", "[layout]") {
     CHECK(found == std::vector<std::string>{});
 }
 
+TEST_CASE("the library names no option of the command line", "[layout]") {
+    // Its messages mark the name of a setting, and the program adds the dashes.
+    const std::regex option("\"--[a-z]");
+    const std::string lib = kTests + "/../lib/vdbpack";
+    std::vector<std::string> found;
+    for (const auto& entry : fs::recursive_directory_iterator(lib))
+        if (entry.path().extension() == ".h" || entry.path().extension() == ".cpp")
+            for (auto& line : linesWith(contentOf(entry.path().string()),
+                                        fs::relative(entry.path(), lib).string(), option))
+                found.push_back(std::move(line));
+    CHECK(found == std::vector<std::string>{});
+}
+
 TEST_CASE("a word to avoid is found with its line", "[layout]") {
     const std::string text =
         "One.\nThe user is "

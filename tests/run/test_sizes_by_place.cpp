@@ -6,7 +6,6 @@
 #include "support/tool.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 

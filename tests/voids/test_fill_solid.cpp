@@ -6,7 +6,6 @@
 
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/report/report.h"
-#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/cull.h"

@@ -1,4 +1,4 @@
-"""The commands of vdb_pack as functions."""
+"""The commands of vdb_pack as functions; their keywords come from the rows of lib/vdbpack/options."""
 
 from __future__ import annotations
 

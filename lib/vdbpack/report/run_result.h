@@ -108,4 +108,43 @@ std::string summary(const MeshResult& result);
 /// Why a mesh did not pass, a line each.
 std::string failures(const MeshResult& result);
 
+/// Bytes of memory at the peak of a run by what takes them, and of each file that it writes.
+struct Estimate {
+    struct Part {
+        const char* name;    ///< key in reports
+        double bytes;        ///< at the peak
+        std::string what;    ///< for messages: "4e+05 spheres"
+        const char* remedy;  ///< what makes it smaller
+    };
+    struct File {
+        std::string name;  ///< as in the outputs
+        double bytes;
+    };
+    std::vector<Part> parts;
+    std::vector<File> files;
+
+    double memory() const;
+    /// The parts that matter, for people: "820 MiB for about 4e+05 spheres, ...".
+    std::string memoryText() const;
+};
+
+/// What to expect of a run.
+struct DryRun {
+    int dim = 3, threads = 1;
+    double volume = 0;         ///< of the domain, mm^dim
+    double voxelSize = 0;      ///< of its field, mm; 0: it is a shape
+    double count = 0;          ///< spheres, with the existing ones
+    double existing = 0;       ///< of these
+    double solidFraction = 0;  ///< of the domain, with existing spheres
+    bool densified = true;     ///< whether `densify` reaches its solid fraction
+    std::string sizes;         ///< radii as they would be packed
+    Report::Seconds seconds;   ///< on `threads` threads
+    Estimate estimate;
+};
+
+/// The keys of a report, where they apply, `dryRun`, and the usual errors.
+nlohmann::ordered_json toJson(const DryRun& dryRun);
+/// For people; ends with a newline.
+std::string summary(const DryRun& dryRun);
+
 }  // namespace vdbpack

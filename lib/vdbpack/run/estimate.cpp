@@ -307,7 +307,9 @@ void addVoids(Extent& e, const VoidRecipe& asked, double largestRadius) {
         const auto thickness = targetTbthOf(r);
         const double chosen = thickness ? kRadiusPerThickness * *thickness : 2 * largestRadius;
         const double b = meanOf(shape.radius, e.dim, chosen);
-        const double aspect = balls ? 1 : meanOf(shape.aspect, e.dim, 2);
+        const bool round = balls || (r.as<FoamVoids>() && !shape.orientation.any());
+        const double usual = round ? 1 : r.as<FoamVoids>() ? kDefaultFoamAspect : kDefaultAspect;
+        const double aspect = balls ? 1 : meanOf(shape.aspect, e.dim, usual);
         if (b > 0) e.voids = planned(r, e, b * aspect, b);
     }
     e.voids.wall *= std::pow(1 - std::min(1.0, shellLayer(r, e) / e.dim), e.dim);

@@ -4,8 +4,8 @@
 
 #include "vdbpack/domain/domain_source.h"
 #include "vdbpack/report/report.h"
-#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/recipe.h"
+#include "vdbpack/run/run.h"
 
 #include <string>
 #include <vector>

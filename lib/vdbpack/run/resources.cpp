@@ -48,8 +48,7 @@ constexpr double kPage = 2e6, kPageSphere = 14;
 /// Bytes of a voxel of a label map: in memory, as a number of a .nii, and compressed, measured.
 constexpr double kLabelVoxel = 4.2, kLabelNumber = 2, kPackedLabel = 0.06;
 
-/// Parts of a smaller share are not listed; files this much smaller than estimated may still fit.
-constexpr double kListedShare = 0.02, kFileTolerance = 0.8;
+constexpr double kFileTolerance = 0.8;  ///< files this much smaller than estimated may still fit
 
 /// Whether an output of a shape is made from its level set; the .vdb of a pack is not.
 bool isShapeLevelSet(const OutputTarget& output) {
@@ -120,20 +119,6 @@ double stampBytes(const Extent& e) {
 
 double contourTriangles(const Extent& extent) {
     return kContourTriangles * wallFaces(extent);
-}
-
-double Estimate::memory() const {
-    double sum = 0;
-    for (const Part& part : parts) sum += part.bytes;
-    return sum;
-}
-
-std::string Estimate::memoryText() const {
-    std::string text;
-    for (const Part& part : parts)
-        if (part.bytes > kListedShare * memory())
-            text += (text.empty() ? "" : ", ") + bytesText(part.bytes) + " for " + part.what;
-    return text;
 }
 
 Estimate estimate(const Extent& e, const RunSettings& settings) {

@@ -95,4 +95,13 @@ MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks = {});
 /// @throws as `readImage`
 ImageResult runImage(const ImageRecipe& recipe, const Callbacks& callbacks = {});
 
+/// Reads the domain, and estimates; nothing is packed or written. Packs that exceed memory or disk
+/// space are predicted, too: `requireResources(dryRun.estimate, recipe.memoryLimit)` throws what
+/// `runPack` would. @throws as `runPack` for its recipe and its domain
+DryRun dryRunPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
+
+/// Refuses memory beyond `limit` bytes (as `memoryLimit`), and any file larger than the free space
+/// of its disk. @throws ResourceError with the parts of the estimate, what is available, a remedy.
+void requireResources(const Estimate& estimate, double limit);
+
 }  // namespace vdbpack

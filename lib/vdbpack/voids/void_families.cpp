@@ -235,7 +235,7 @@ VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* 
     SizeRequest aspect = asked.aspect;
     if (ball) aspect = SizeDistribution::constant(1);
     if (aspect.empty()) {
-        aspect = SizeDistribution::constant(foam ? 1.4 : 2);
+        aspect = SizeDistribution::constant(foam ? kDefaultFoamAspect : kDefaultAspect);
         if (chosen)
             chosen->push_back(foam ? "voids 1.4 times as long as wide"
                                    : "voids twice as long as wide");

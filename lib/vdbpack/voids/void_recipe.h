@@ -24,6 +24,8 @@ enum class Fill {
 /// Defaults where nothing else determines the amount of voids.
 inline constexpr double kDefaultBvtv = 0.3;
 inline constexpr double kDefaultProbability = 0.02;  ///< of a hole, as in the paper
+inline constexpr double kDefaultAspect = 2;          ///< a / b
+inline constexpr double kDefaultFoamAspect = 1.4;    ///< a / b of a foam with a direction; else 1
 /// Mean b of the voids between trabeculae, in Tb.Th, before anything is measured.
 inline constexpr double kRadiusPerThickness = 1.2;
 
