@@ -95,7 +95,7 @@ std::shared_ptr<const VdbGrid> levelSetOf(const ConvertRecipe& recipe, bool isMe
     solid.source = recipe.pack;
     solid.unit = recipe.packUnit;
     double voxel = recipe.domain.voxelSize;
-    return gridOfMesh(std::move(solid), 0, recipe, voxel, callbacks);
+    return fieldOfMesh(std::move(solid), 0, recipe, voxel, callbacks)->grid();
 }
 
 /// Refuses what needs spheres.
