@@ -6,6 +6,7 @@
 #include "support/test.h"
 
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/report/image_result.h"
 
 #include <nlohmann/json.hpp>
 
@@ -231,4 +232,36 @@ TEST_CASE("an image is measured in its own voxels") {
     CHECK(flat.solidVolume == Approx(0.63 * solid));
     CHECK(flat.totalVolume == Approx(0.63 * 64000));
     CHECK_THAT(summary(flat), Contains("of the surface"));
+}
+
+TEST_CASE("distances of voxels that change nothing are named by every command") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("i.nrrd"), mesh = folder.file("m.obj");
+    const auto image = Voxels<std::uint8_t>::of(smallGrid({20, 20, 20}, {{1, 1, 1}}),
+                                                [](const Vec<3>& p) { return p[2] > 9; });
+    writeNrrd(file, image, "uint8");
+    writeObj(ballMesh(5, 3), mesh);
+    Pack<3> one;
+    one.spheres.push_back({{}, 1});
+    writePack(one, folder.file("p.csv"));
+    const Vec<3> spacing{{2, 2, 2}};
+    for (const auto& [pack, domain, why] :
+         {std::array<std::string, 3>{file, "", "states the distances"},
+          {mesh, "", "is no image"},
+          {mesh, file, "states the distances"},
+          {folder.file("p.csv"), mesh, "is no image"}}) {
+        CAPTURE(pack, domain);
+        auto recipe = onPack<MeasureRecipe>(pack, domain);
+        recipe.domain.voxelSpacing = spacing;
+        std::string warned;
+        runMeasure(recipe, hearing(warned));
+        CHECK_THAT(warned, Contains("`voxelSpacing` 2") && Contains(why));
+    }
+    ImageRecipe seen;
+    seen.domain.source = file;
+    seen.domain.voxelSpacing = spacing;
+    CHECK(mentions(runImage(seen).warnings, "`voxelSpacing` 2"));
+    auto verified = onPack<VerifyRecipe>(folder.file("p.csv"), mesh);
+    verified.domain.voxelSpacing = spacing;
+    CHECK(mentions(runVerify(verified).report.warnings, "`voxelSpacing` 2"));
 }

@@ -69,8 +69,8 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         if (source) {
             sources.push_back(&*source);
             have.labels.solids.push_back(solidTest(built.space));
-            warnOfUnusedSpacing(recipe.outputs, *source, callbacks);
         }
+        warnOfUnusedSpacing(recipe.outputs, sources, callbacks);
         have.labels.grid = labelGridOf(recipe.outputs, sources, recipe.memoryLimit);
         have.labels.space = recipe.domain.space;
     }

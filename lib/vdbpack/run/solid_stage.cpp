@@ -5,6 +5,7 @@
 #include "vdbpack/domain/domain_image.h"
 #include "vdbpack/domain/image_voxels.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/morphometry/solid_image.h"
@@ -116,6 +117,7 @@ DomainRecipe imageSolid(const MeasureRecipe& recipe, SolidGrid& found, const Cal
         solid.space = recipe.domain.space;
     }
     Image image = readDomainImage(solid, callbacks);
+    if (image.isSpaced) warnOfSpacing(solid, true, callbacks);
     const bool ownVoxels = !(found.voxel > 0);
     if (recipe.domain.source.empty()) takeWhole(solid, image, ownVoxels, found);
     const Vec<3> spacing = image.grid.spacing();
@@ -132,8 +134,23 @@ bool isMeshed(const MeasureRecipe& recipe) {
            (isImageSolid(recipe) || recipe.solidMesh || extensionOf(recipe.pack) != ".vdb");
 }
 
+/// Warns of settings of images where neither the solid nor the domain is one.
+void warnOfNoImage(const MeasureRecipe& recipe, const Callbacks& callbacks) {
+    DomainRecipe solid = recipe.domain;
+    if (isImageSolid(recipe) || (!solid.source.empty() && isImage(solid))) return;
+    solid.source = recipe.pack;
+    warnOfSpacing(solid, false, callbacks);
+    if (!solid.label.empty())
+        callbacks.warn("`label` " + solid.label + " has no effect: " + solid.source +
+                       " is no image");
+    if (solid.threshold)
+        callbacks.warn(fmt::format("`threshold` {:g} has no effect: {} is no image",
+                                   *solid.threshold, solid.source));
+}
+
 SolidGrid readSolid(const MeasureRecipe& recipe, const Callbacks& callbacks) {
     SolidGrid found{recipe.solid, recipe.domain.voxelSize};
+    warnOfNoImage(recipe, callbacks);
     if (found.grid) return found;
     if (!isMeshed(recipe)) {
         found.grid =
@@ -168,6 +185,7 @@ std::shared_ptr<const Domain<3>> totalVolume(const MeasureRecipe& recipe, const 
     total.voxelSize = 0;
     if (isMeshed(recipe) || extensionOf(total.source) != ".vdb") total.gridName.clear();
     const DomainSource source(total, callbacks);
+    if (isImage(total)) warnOfUnusedSpacing({}, {&source}, callbacks);
     if (source.dim() != 3)
         throw ParameterError(total.source + ": is plane; a solid needs a domain of space");
     const double fine = solid.pitch();
