@@ -59,10 +59,9 @@ TEST_CASE("voxels of another size cover the same space") {
     CHECK(fine.bounds().volume() == Approx(grid.bounds().volume()));
 
     const Box<3> box{{{-1, 2, 3}}, {{4, 9, 5.5}}};
-    const ImageGrid around = gridAround(box, {{0.5, 0.75, 0.5}});
-    for (int d = 0; d < 3; ++d) {
-        CHECK(around.bounds().lo[d] < box.lo[d]);
-        CHECK(around.bounds().hi[d] > box.hi[d]);
-    }
+    const Vec<3> spacing{{0.5, 0.75, 0.5}};
+    const ImageGrid around = gridAround(box, spacing);
+    CHECK(around.size == std::array<std::size_t, 3>{12, 12, 7});
+    CHECK(length(around.bounds().lo - (box.lo - spacing)) < 1e-12);
     CHECK_THROWS_AS(withSpacing(grid, {{1e-9, 1, 1}}), ParameterError);
 }

@@ -63,6 +63,21 @@ TEST_CASE("closed components that intersect are counted by pairs") {
     spiked.vertices[0] = spiked.vertices[0] * 1.6;
     const Vec<3> tip = spiked.vertices[0] * (1 / length(spiked.vertices[0]));
     CHECK(count(merged(spiked, ballMesh(2, 3, tip * 12.2))) == 1);
+    // Few large triangles: bars that enter a ball and pass through a bar, boxes 0.3 in one another,
+    // of any direction; boxes that touch in a face, and in one from inside.
+    const auto bar = boxMesh({{5, -1, -1}}, {{35, 1, 1}});
+    CHECK(count(merged(ball, bar)) == 1);
+    CHECK(count(merged(flipped(ball), flipped(bar))) == 1);
+    TriangleMesh bars = boxMesh({{-30, -1, -1}}, {{30, 1, 1}});
+    for (int i = -2; i <= 2; ++i)
+        bars = merged(bars, boxMesh({{10.0 * i - 0.7, -8, -0.6}}, {{10.0 * i + 0.7, 8, 0.6}}));
+    CHECK(count(bars) == 5);
+    const auto cube = boxMesh({}, {{10, 10, 10}});
+    CHECK(count(merged(cube, translated(cube, {{9.7, 0, 0}}))) == 1);
+    CHECK(count(merged(cube, translated(cube, {{9.7, 9.7, 9.7}}))) == 1);
+    CHECK(count(merged(cube, translated(cube, {{10, 0, 0}}))) == 0);
+    CHECK(count(merged(cube, translated(cube, {{10, 4, 3}}))) == 0);
+    CHECK(count(merged(cube, boxMesh({{2, 2, 0}}, {{5, 5, 5}}))) == 0);
 }
 
 TEST_CASE("nesting is found at any depth and for any order of the triangles") {

@@ -1,6 +1,8 @@
 // Properties of spheres and voids from the grey values of images, and packs as label maps.
+#include "support/generators.h"
 #include "support/image_file.h"
 #include "support/jobs.h"
+#include "support/mesh_file.h"
 #include "support/requests.h"
 #include "support/test.h"
 #include "support/tool.h"
@@ -8,6 +10,7 @@
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/image/image_file.h"
+#include "vdbpack/image/image_surface.h"
 
 #include <atomic>
 
@@ -357,4 +360,20 @@ TEST_CASE("label maps of a shape have the volumes of its regions") {
     CHECK(counts[1] == Approx(volume[0]).epsilon(0.01));
     CHECK(counts[2] == Approx(volume[1]).epsilon(0.02));
     CHECK(countsIn(folder.file("s.nii.gz"))[1] == Approx(run.report.volume / 0.008).epsilon(0.005));
+}
+
+TEST_CASE("a cube of ten voxels is ten voxels wide in a label map, as a shape and as a mesh") {
+    const TemporaryFolder folder;
+    writeObj(boxMesh({{0, 0, 0}}, {{10, 10, 10}}), folder.file("cube.obj"));
+    const std::string domain = GENERATE("box:0,0,0,10,10,10", "cube.obj");
+    PackJob recipe = recipeFor(domain[0] == 'c' ? folder.file(domain) : domain, "constant:1");
+    recipe.outputs = {"labels-solid:" + folder.file("s.nrrd")};
+    recipe.domain.voxelSpacing = Vec<3>{{1, 1, 2}};
+    runPack(recipe);
+    const Image image = readImage(folder.file("s.nrrd"));
+    CHECK(image.grid.size == std::array<std::size_t, 3>{12, 12, 7});
+    const auto labels = labelsOf(image).value();
+    REQUIRE(labels.size() == 1);
+    CHECK(labels[0].voxels == 500);
+    CHECK(length(image.grid.at(labels[0].voxelBox.center()) - Vec<3>{{5, 5, 5}}) < 1e-9);
 }

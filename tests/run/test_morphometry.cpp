@@ -1,10 +1,12 @@
 // `measure` as a user calls it: the morphometry of solids and of spheres in a domain.
 #include "support/generators.h"
+#include "support/image_file.h"
 #include "support/jobs.h"
 #include "support/mesh_file.h"
 #include "support/test.h"
 
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/report/image_result.h"
 
 #include <nlohmann/json.hpp>
 
@@ -160,4 +162,106 @@ TEST_CASE("dilation makes necks of the contacts of a pack") {
     recipe.dilation = 0;
     CHECK(runMeasure(recipe).spheres->morphometry.solidFraction ==
           Approx(*dilated.run.report.solidFractionTotal).epsilon(0.02));
+}
+
+TEST_CASE("a mesh has its own volume, wherever its faces lie between voxels") {
+    const TemporaryFolder folder;
+    const Vec<3> size = GENERATE(Vec<3>{{40, 40, 1}}, Vec<3>{{100, 50, 3}}, Vec<3>{{40, 1, 1}});
+    const std::string domain = GENERATE("", "box:-0.3,-0.3,-0.3,101,51,4");
+    writeObj(boxMesh({}, size), folder.file("plate.obj"));
+    std::string warned;
+    const auto m = measured(folder.file("plate.obj"), domain, 0, warned);
+    const double volume = size[0] * size[1] * size[2];
+    CHECK(m.solidVolume == Approx(volume));
+    CHECK(m.totalVolume == Approx(domain.empty() ? volume : 101.3 * 51.3 * 4.3));
+    CHECK(m.solidFraction == Approx(m.solidVolume / m.totalVolume));
+}
+
+namespace {
+
+ImageGrid smallGrid(const std::array<std::size_t, 3>& size, const Vec<3>& spacing) {
+    ImageGrid grid;
+    grid.size = size;
+    for (std::size_t d = 0; d < 3; ++d) grid.step[d] = grid.step[d] * spacing.c[d];
+    return grid;
+}
+
+}  // namespace
+
+TEST_CASE("the border of an image is no surface") {
+    const TemporaryFolder folder;
+    const std::size_t n = GENERATE(30, 60);
+    const auto slab =
+        Voxels<std::uint8_t>::of(smallGrid({n, n, 40}, {{0.1, 0.1, 0.1}}),
+                                 [](const Vec<3>& p) { return p[2] > 1.55 && p[2] < 2.35; });
+    writeNrrd(folder.file("slab.nrrd"), slab, "uint8");
+    std::string warned;
+    const auto m = measured(folder.file("slab.nrrd"), "", 0, warned);
+    const double side = 0.1 * static_cast<double>(n);
+    CHECK(m.structureModelIndex.value() == Approx(0).margin(0.01));
+    CHECK(m.solidSurface == Approx(2 * side * side).epsilon(0.001));
+    CHECK(m.solidVolume == Approx(0.8 * side * side));
+    CHECK(m.thickness.value().mean == Approx(0.8).epsilon(0.01));
+}
+
+TEST_CASE("an image is measured in its own voxels") {
+    const TemporaryFolder folder;
+    // A ball and four struts one voxel thick.
+    auto image =
+        Voxels<std::uint8_t>::of(smallGrid({40, 40, 40}, {{1, 1, 1}}), [](const Vec<3>& p) {
+            const Vec<3> strut{{std::fmod(p[0] - 22, 4), p[1] - 4, 0}};
+            return length(p - Vec<3>{{10, 20, 20}}) <= 8 ||
+                   (p[0] > 21 && p[0] < 35 && length(strut) == 0 && p[2] > 2 && p[2] < 37);
+        });
+    const auto solid =
+        static_cast<double>(std::count(image.values.begin(), image.values.end(), std::uint8_t{1}));
+    writeNrrd(folder.file("struts.nrrd"), image, "uint8");
+    std::string warned;
+    const auto m = measured(folder.file("struts.nrrd"), "", 0, warned);
+    CHECK(m.ofVoxels);
+    CHECK(m.solidVolume == solid);
+    CHECK(m.totalVolume == 64000);
+    CHECK(m.eulerNumber == 5);
+    CHECK(m.largestComponent.value() == Approx((solid - 4 * 34) / solid));
+
+    // Voxels that are no cubes are counted as well; the rest is of the surface.
+    image.grid = smallGrid({40, 40, 40}, {{1, 0.7, 0.9}});
+    writeNrrd(folder.file("flat.nrrd"), image, "uint8");
+    const auto flat = measured(folder.file("flat.nrrd"), "", 0, warned);
+    CHECK_FALSE(flat.ofVoxels);
+    CHECK(flat.solidVolume == Approx(0.63 * solid));
+    CHECK(flat.totalVolume == Approx(0.63 * 64000));
+    CHECK_THAT(summary(flat), Contains("of the surface"));
+}
+
+TEST_CASE("distances of voxels that change nothing are named by every command") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("i.nrrd"), mesh = folder.file("m.obj");
+    const auto image = Voxels<std::uint8_t>::of(smallGrid({20, 20, 20}, {{1, 1, 1}}),
+                                                [](const Vec<3>& p) { return p[2] > 9; });
+    writeNrrd(file, image, "uint8");
+    writeObj(ballMesh(5, 3), mesh);
+    Pack<3> one;
+    one.spheres.push_back({{}, 1});
+    writePack(one, folder.file("p.csv"));
+    const Vec<3> spacing{{2, 2, 2}};
+    for (const auto& [pack, domain, why] :
+         {std::array<std::string, 3>{file, "", "states the distances"},
+          {mesh, "", "is no image"},
+          {mesh, file, "states the distances"},
+          {folder.file("p.csv"), mesh, "is no image"}}) {
+        CAPTURE(pack, domain);
+        auto recipe = onPack<MeasureRecipe>(pack, domain);
+        recipe.domain.voxelSpacing = spacing;
+        std::string warned;
+        runMeasure(recipe, hearing(warned));
+        CHECK_THAT(warned, Contains("`voxelSpacing` 2") && Contains(why));
+    }
+    ImageRecipe seen;
+    seen.domain.source = file;
+    seen.domain.voxelSpacing = spacing;
+    CHECK(mentions(runImage(seen).warnings, "`voxelSpacing` 2"));
+    auto verified = onPack<VerifyRecipe>(folder.file("p.csv"), mesh);
+    verified.domain.voxelSpacing = spacing;
+    CHECK(mentions(runVerify(verified).report.warnings, "`voxelSpacing` 2"));
 }

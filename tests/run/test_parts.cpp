@@ -62,6 +62,8 @@ TEST_CASE("labels of an image are packed as parts that no sphere crosses") {
     CHECK(checked.passed);
     REQUIRE(checked.report.parts.size() == 2);
     CHECK(checked.report.parts[1].count == run.report.parts[1].count);
+    CHECK(checked.report.contacts->mean == Approx(run.report.contacts->mean).epsilon(1e-3));
+    CHECK(checked.report.contacts->wallContacts > 0);
     // Each sphere is held against its own part.
     Pack<3> exchanged = pack;
     for (double& part : exchanged.columns.front().numbers) part = 1 - part;

@@ -28,9 +28,6 @@ void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::strin
         }
 }
 
-namespace {
-
-/// The part that a recipe names, of an image without threshold.
 LabelPart selectedPart(const DomainRecipe& recipe,
                        const std::optional<std::vector<LabelCount>>& labels) {
     const std::string& path = recipe.source;
@@ -54,8 +51,6 @@ LabelPart selectedPart(const DomainRecipe& recipe,
         fmt::format("{}: has {} labels; set `label` to the one to fill, or several joined by +:{}",
                     path, labels->size(), list));
 }
-
-}  // namespace
 
 Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
     ImageReadOptions options;

@@ -26,6 +26,11 @@ void requireThere(const std::string& file);
 Image readGreyImage(const std::string& file, const DomainRecipe& domain,
                     const Callbacks& callbacks);
 
+/// The labels that a recipe selects of an image without threshold.
+/// @param labels  of the image. @throws ParameterError if it selects nothing, or several parts.
+LabelPart selectedPart(const DomainRecipe& recipe,
+                       const std::optional<std::vector<LabelCount>>& labels);
+
 /// Warns of a part that the border of its image cuts off.
 void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::string& path,
                   const Callbacks& callbacks);

@@ -172,4 +172,8 @@ const std::shared_ptr<const Domain<Dim>>& ofDim(const DomainSource::Built& built
 void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
                   const Callbacks& callbacks);
 
+/// Warns of a `voxelSpacing` that nothing is made with, neither an image nor a label map.
+/// @param isImage  the recipe names an image, whose file states the distances of its voxels.
+void warnOfSpacing(const DomainRecipe& recipe, bool isImage, const Callbacks& callbacks);
+
 }  // namespace vdbpack

@@ -1,6 +1,7 @@
 // Warnings of domains that are unlikely, and of settings that have no effect on them.
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/domain_source.h"
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/mesh/coordinate_step.h"
 
@@ -75,6 +76,14 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
             fmt::format("`voxelSize` {:g} has no effect: {} is a shape, whose distances are exact",
                         recipe.voxelSize, text));
     if (recipe.scale != 1) callbacks.warn("`scale` has no effect: " + text + " is a shape, in mm");
+}
+
+void warnOfSpacing(const DomainRecipe& recipe, bool isImage, const Callbacks& callbacks) {
+    if (!recipe.voxelSpacing) return;
+    callbacks.warn("`voxelSpacing` " + textOf(*recipe.voxelSpacing) +
+                   " has no effect: " + recipe.source +
+                   (isImage ? " states the distances of its voxels" : " is no image") +
+                   ", and no label map is written. `scale` makes a domain larger or smaller");
 }
 
 }  // namespace vdbpack

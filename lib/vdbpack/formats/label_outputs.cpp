@@ -2,7 +2,6 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
-#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/linear_sampler.h"
 #include "vdbpack/formats/materials.h"
@@ -124,14 +123,14 @@ std::optional<ImageGrid> labelGridOf(const std::vector<OutputTarget>& outputs,
     return grid;
 }
 
-void warnOfUnusedSpacing(const std::vector<OutputTarget>& outputs, const DomainSource& source,
+void warnOfUnusedSpacing(const std::vector<OutputTarget>& outputs,
+                         const std::vector<const DomainSource*>& sources,
                          const Callbacks& callbacks) {
-    if (labelOutput(outputs)) return;
-    if (!isForLabels(source)) return;
-    callbacks.warn("`voxelSpacing` " + textOf(*source.recipe().voxelSpacing) +
-                   " has no effect: " + source.recipe().source +
-                   (source.imageGrid() ? " states the distances of its voxels" : " is no image") +
-                   ", and no label map is written. `scale` makes a domain larger or smaller");
+    if (labelOutput(outputs) || sources.empty()) return;
+    for (const DomainSource* source : sources)
+        if (!isForLabels(*source)) return;
+    const DomainSource& first = *sources.front();
+    warnOfSpacing(first.recipe(), first.imageGrid().has_value(), callbacks);
 }
 
 void writeLabels(const OutputTarget& target, const Pack<3>* pack, const LabelSource& source,

@@ -36,8 +36,9 @@ std::optional<ImageGrid> labelGridOf(const std::vector<OutputTarget>& outputs,
                                      const std::vector<const DomainSource*>& sources,
                                      double memoryLimit);
 
-/// Warns of a `voxelSpacing` that nothing is made with.
-void warnOfUnusedSpacing(const std::vector<OutputTarget>& outputs, const DomainSource& source,
+/// Warns of a `voxelSpacing` with which a run on such domains makes nothing.
+void warnOfUnusedSpacing(const std::vector<OutputTarget>& outputs,
+                         const std::vector<const DomainSource*>& sources,
                          const Callbacks& callbacks);
 
 /// Writes one label map.

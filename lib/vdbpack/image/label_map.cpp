@@ -65,13 +65,12 @@ ImageGrid withSpacing(const ImageGrid& grid, const Vec<3>& spacing) {
 
 ImageGrid gridAround(const Box<3>& box, const Vec<3>& spacing) {
     ImageGrid grid;
-    const Vec<3> size = box.size(), middle = box.center();
     for (std::size_t d = 0; d < 3; ++d) {
         const double s = spacing.c[d];
-        grid.size[d] = voxelsAlong(size.c[d] + s, s);
+        grid.size[d] = voxelsAlong(box.size().c[d], s) + 2;
         grid.step[d] = {};
         grid.step[d].c[d] = s;
-        grid.origin.c[d] = middle.c[d] - s * (static_cast<double>(grid.size[d]) - 1) / 2;
+        grid.origin.c[d] = box.lo.c[d] - s / 2;
     }
     return grid;
 }

@@ -22,7 +22,8 @@ struct LabelMap {
 /// beyond. @param spacing  mm, along each axis.
 ImageGrid withSpacing(const ImageGrid& grid, const Vec<3>& spacing);
 
-/// Voxels along x, y, z around a box, with at least half a voxel beside it.
+/// Voxels along x, y, z that fill a box from its low corner (the last ones may reach beyond), with
+/// one more voxel on each side.
 ImageGrid gridAround(const Box<3>& box, const Vec<3>& spacing);
 
 /// The label of a sphere at each voxel whose center lies in it; where several do, of the last.

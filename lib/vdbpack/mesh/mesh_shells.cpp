@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/mesh/edge_table.h"
+#include "vdbpack/mesh/shell_intersections.h"
 #include "vdbpack/mesh/vertical_line.h"
 
 #include <tbb/parallel_sort.h>
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <set>
 #include <utility>
 
 namespace vdbpack {
@@ -21,10 +21,6 @@ namespace {
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 /// Triangles of a piece that vote on what encloses it: one or two of them may touch another piece.
 constexpr std::size_t kVotes = 5;
-
-/// Triangles of a shell that are looked up where its box meets those of others, and the shells that
-/// all others are compared with.
-constexpr std::size_t kSamples = 500, kCompared = 64;
 
 /// A point for which the enclosing pieces are determined.
 struct Probe {
@@ -190,57 +186,6 @@ void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
         // A smaller piece never encloses a larger one: of two that cut each other both might.
         if (2 * pair.inside > counts[pair.inner] - pair.unclear && pair.outer < pair.inner)
             ++shells[pair.inner].depth;
-}
-
-/// Triangles of closed shells in boxes around others, up to `kSamples` of each shell, evenly spread
-/// over the order of the file. Shells are compared with the `kCompared` largest.
-std::vector<Probe> probesInOtherBoxes(const TriangleMesh& mesh, const ShellAnalysis& analysis) {
-    const auto& shells = analysis.shells;
-    std::vector<Box<3>> boxes(shells.size());
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        for (const std::uint32_t v : mesh.triangles[i])
-            boxes[analysis.shellOfTriangle[i]].add(mesh.vertices[v]);
-    std::vector<std::vector<std::uint32_t>> others(shells.size());
-    for (std::uint32_t t = 0; t < std::min(shells.size(), kCompared); ++t)
-        for (std::uint32_t s = t + 1; s < shells.size(); ++s) {
-            if (shells[s].boundaryEdges != 0 || shells[t].boundaryEdges != 0 ||
-                intersection(boxes[s], boxes[t]).empty())
-                continue;
-            others[s].push_back(t);
-            others[t].push_back(s);
-        }
-    std::vector<std::size_t> count(shells.size()), seen(shells.size());
-    std::vector<Probe> probes;
-    const auto forEach = [&](const auto& visit) {
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-            const std::uint32_t s = analysis.shellOfTriangle[i];
-            if (others[s].empty()) continue;
-            const auto& t = mesh.triangles[i];
-            const Vec<3> x =
-                (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) * (1.0 / 3.0);
-            if (std::any_of(others[s].begin(), others[s].end(),
-                            [&](std::uint32_t o) { return boxes[o].contains(x); }))
-                visit(s, x);
-        }
-    };
-    forEach([&](std::uint32_t s, const Vec<3>&) { ++count[s]; });
-    forEach([&](std::uint32_t s, const Vec<3>& x) {
-        if (seen[s]++ % (count[s] / kSamples + 1) == 0) probes.push_back({x, s});
-    });
-    return probes;
-}
-
-/// The number of pairs of closed shells of which one lies partly inside the other.
-std::size_t countIntersections(const TriangleMesh& mesh, const ShellAnalysis& analysis) {
-    if (analysis.shells.size() < 2) return 0;
-    const std::vector<Probe> probes = probesInOtherBoxes(mesh, analysis);
-    if (probes.empty()) return 0;
-    const auto counts = countsOf(probes, analysis.shells.size());
-    std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    for (const PairVotes& pair : votesOf(mesh, analysis, probes))
-        if (pair.inside > 0 && pair.inside + pair.unclear < counts[pair.inner])
-            pairs.insert(std::minmax(pair.inner, pair.outer));
-    return pairs.size();
 }
 
 /// Joins triangles at shared edges; a piece is named by its first triangle.

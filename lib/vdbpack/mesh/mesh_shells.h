@@ -23,8 +23,8 @@ struct Shell {
 struct ShellAnalysis {
     std::vector<std::uint32_t> shellOfTriangle;  ///< index into `shells`, one per triangle
     std::vector<Shell> shells;                   ///< by decreasing |signedVolume|
-    /// Pairs of closed shells of which one lies partly inside the other, as far as up to 500
-    /// triangles of each show it.
+    /// Pairs of closed shells of which one lies partly inside the other: an edge of one passes
+    /// through a triangle of the other.
     std::size_t intersections = 0;
 
     /// Enclosed volume without cavities, for any orientation of the triangles, mm³:
@@ -43,7 +43,7 @@ struct ShellAnalysis {
 /// larger.
 ///
 /// Cost: linear in the triangles, except for rays (along z) from five triangles of each shell, and
-/// from up to 500 where the boxes around closed shells overlap.
+/// a tree over the triangles in boxes around other closed shells.
 /// Volumes are computed relative to a point of the shell, so they lose no digits far from the
 /// origin. The volume of an open shell is computed with every hole closed by a cone from the
 /// centroid of its boundary (exact for plane holes).

@@ -118,23 +118,27 @@ Vec<3> MeshSides::turned(const Vec<3>& v, std::size_t axis) {
 }
 
 MeshSides::MeshSides(const TriangleMesh& mesh, bool clean) {
-    for (const std::size_t axis : {std::size_t{2}, std::size_t{0}, std::size_t{1}}) {
+    // Of a clean mesh one axis will do: z, or that across a mesh long in z, whose lines pass fewer
+    // triangles.
+    const Vec<3> size = mesh.bounds().size();
+    const std::size_t across = size[0] < size[1] ? 0 : 1;
+    first_ = clean && size[2] > 2 * size.c[across] ? across : 2;
+    for (std::size_t k = 0; k < (clean ? 1u : 3u); ++k) {
         TriangleMesh copy = mesh;
-        for (auto& v : copy.vertices) v = turned(v, axis);
+        for (auto& v : copy.vertices) v = turned(v, (first_ + k) % 3);
         axes_.emplace_back(std::move(copy));
-        if (clean) break;
     }
 }
 
 bool MeshSides::inside(const Vec<3>& x) const {
     int above = 0, below = 0;
     if (axes_.size() == 1) {
-        axes_.front().cross(x, above, below);
+        axes_.front().cross(turned(x, first_), above, below);
         return above % 2 == 1;
     }
     int votes = 0;
     for (std::size_t a = 0; a < axes_.size(); ++a) {
-        axes_[a].cross(turned(x, std::array<std::size_t, 3>{2, 0, 1}[a]), above, below);
+        axes_[a].cross(turned(x, (first_ + a) % 3), above, below);
         votes += above % 2 + below % 2;
     }
     return votes > 3;

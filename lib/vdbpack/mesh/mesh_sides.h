@@ -12,9 +12,9 @@ namespace vdbpack {
 /// Inside tests by counting crossings along a line.
 ///
 /// Inside means an odd number of crossings, so nested shells bound cavities, for any orientation.
-/// For a closed mesh whose edges all join two triangles the count along z is exact, also for lines
-/// through edges and vertices. For other meshes lines to both sides along the three axes vote, and
-/// a tie is outside. Immutable; shared between threads.
+/// For a closed mesh whose edges all join two triangles the count along one axis is exact, also for
+/// lines through edges and vertices. For other meshes lines to both sides along the three axes
+/// vote, and a tie is outside. Immutable; shared between threads.
 ///
 /// Cost: a few times the mesh's memory; a query passes the triangles over one small cell, or, where
 /// many triangles are so long that they lie over too many cells, a few in a tree.
@@ -44,6 +44,7 @@ private:
     };
     static Vec<3> turned(const Vec<3>& v, std::size_t axis);
 
+    std::size_t first_ = 2;  ///< axis of the first columns; those of the next axes follow
     std::vector<Columns> axes_;
 };
 

@@ -96,8 +96,12 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
     Clock clock;
     requireDomain(recipe);
     std::optional<DomainSource> source;
-    if (const DomainRecipe domain = domainOf(recipe, given); !domain.source.empty())
+    if (DomainRecipe domain = domainOf(recipe, given); !domain.source.empty()) {
         source.emplace(domain, callbacks);
+        domain.voxelSize = 0;  // may be that of the union of spheres
+        warnOfUnused(domain, *source, callbacks);
+        warnOfUnusedSpacing(recipe.outputs, {&*source}, callbacks);
+    }
     report.seconds.mesh += clock.lap();
     RunResult run;
     const auto measure = [&](auto& pack, auto dim) {

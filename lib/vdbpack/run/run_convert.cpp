@@ -69,8 +69,8 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         if (source) {
             sources.push_back(&*source);
             have.labels.solids.push_back(solidTest(built.space));
-            warnOfUnusedSpacing(recipe.outputs, *source, callbacks);
         }
+        warnOfUnusedSpacing(recipe.outputs, sources, callbacks);
         have.labels.grid = labelGridOf(recipe.outputs, sources, recipe.memoryLimit);
         have.labels.space = recipe.domain.space;
     }
@@ -95,7 +95,7 @@ std::shared_ptr<const VdbGrid> levelSetOf(const ConvertRecipe& recipe, bool isMe
     solid.source = recipe.pack;
     solid.unit = recipe.packUnit;
     double voxel = recipe.domain.voxelSize;
-    return gridOfMesh(std::move(solid), 0, recipe, voxel, callbacks);
+    return fieldOfMesh(std::move(solid), 0, recipe, voxel, callbacks)->grid();
 }
 
 /// Refuses what needs spheres.

@@ -2,6 +2,7 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/domain_image.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/report/image_result.h"
 #include "vdbpack/run/run.h"
@@ -21,6 +22,7 @@ ImageResult runImage(const ImageRecipe& recipe, const Callbacks& caller) {
         keepingWarnings(withinMemory(caller, recipe.memoryLimit), result.warnings);
     withThreads(recipe.threads, [&] {
         const Image image = readDomainImage(domain, callbacks);
+        if (image.isSpaced) warnOfSpacing(domain, true, callbacks);
         result.source = domain.source;
         result.space = domain.space;
         result.format = image.format;

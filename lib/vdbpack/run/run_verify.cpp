@@ -2,6 +2,7 @@
 #include "vdbpack/core/ball_share.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/materials.h"
+#include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/vacancies.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/run_parts.h"
@@ -38,28 +39,30 @@ std::vector<std::vector<std::size_t>> membersOf(const std::string& file, const P
     return members;
 }
 
-/// What other parts leave of a domain is known by its field alone, mm³.
-double volumeOf(const DomainSource& source, const RadiusStatistics& radius) {
-    if (!source.isCut() || !(radius.min > 0)) return source.volume();
-    return source.build(fieldDetail(radius.min, radius.mean), radius.max).space->volume();
-}
-
 /// Holds each sphere against the wall of its own part.
-void verifyParts(const Parts& parts, const std::string& file, const Pack<3>& pack, Report& report) {
+void verifyParts(const Parts& parts, const std::string& file, Pack<3>& pack, Report& report) {
     const auto members = membersOf(file, pack, parts.size());
     report.domain.kind = "parts";
     ProtrusionCheck all;
     double covered = 0;
+    pack.depth.resize(pack.spheres.size());
     for (std::size_t k = 0; k < parts.size(); ++k) {
         std::vector<Sphere<3>> spheres;
         for (const std::size_t i : members[k]) spheres.push_back(pack.spheres[i]);
-        ProtrusionCheck own = parts[k].source->protrusion(spheres);
+        const DomainSource& source = *parts[k].source;
+        const RadiusStatistics radius = radiusStatistics(spheres);
+        const auto domain = source.build(fieldDetail(radius.min, radius.mean), radius.max).space;
+        std::vector<double> distances;
+        ProtrusionCheck own = source.protrusion(spheres, &distances);
+        const auto depths = source.depths(spheres, *domain, distances);
+        for (std::size_t i = 0; i < depths.size(); ++i) pack.depth[members[k][i]] = depths[i];
         PartReport one;
         one.name = parts[k].recipe.name;
         one.source = describe(parts[k].recipe.domain);
         one.count = spheres.size();
-        one.volume = volumeOf(*parts[k].source, radiusStatistics(spheres));
-        one.area = parts[k].source->plan(1, 1).area;
+        // What other parts leave of a domain is known by its field alone.
+        one.volume = source.isCut() ? domain->volume() : source.volume();
+        one.area = source.plan(1, 1).area;
         one.solidFraction = ballShare(spheres, one.volume);
         one.protrusion = own.max;
         covered += one.solidFraction * one.volume;
@@ -70,6 +73,8 @@ void verifyParts(const Parts& parts, const std::string& file, const Pack<3>& pac
         all = joined(std::move(all), own);
     }
     report.protrusion = std::move(all);
+    if (!pack.spheres.empty())
+        report.contacts = countContacts(pack.spheres, report.contactTolerance, pack.depth);
     if (report.volume > 0) report.solidFractionTotal = covered / report.volume;
 }
 
@@ -112,7 +117,7 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
             });
         run.vacancies = vacancies;
         if (!parts.empty()) {
-            const auto* pack = std::get_if<Pack<3>>(&run.pack);
+            auto* pack = std::get_if<Pack<3>>(&run.pack);
             if (!pack) throw InputError(recipe.pack + ": holds circles, and parts hold spheres");
             verifyParts(parts, recipe.pack, *pack, run.report);
             run.passed = !failedChecks(run.report).any();

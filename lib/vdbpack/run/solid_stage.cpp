@@ -3,7 +3,9 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/domain/domain_image.h"
+#include "vdbpack/domain/image_voxels.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/morphometry/solid_image.h"
@@ -66,10 +68,44 @@ void warnOfBorder(const Morphometry& m, const VoxelImage& image, bool hasDomain,
         file, 100 * m.border.solid, low[0], low[1], low[2], high[0], high[1], high[2]));
 }
 
-/// The solid of an image, read. @param whole  set to the box of all its voxels, mm, if there is no
-/// domain; @param voxel  mm; if 0, set to its least step.
-DomainRecipe imageSolid(const MeasureRecipe& recipe, std::optional<Box<3>>& whole, double& voxel,
-                        const Callbacks& callbacks) {
+/// A solid as a level set.
+struct SolidGrid {
+    std::shared_ptr<const VdbGrid> grid{};
+    double voxel = 0;  ///< to measure in, mm; 0: those of the level set
+    /// Of a mesh: volume, mm³, and bounds. Of all of an image: those of its voxels, and around it.
+    std::optional<double> volume{};
+    Box<3> bounds{};
+    /// Of all of an image in cubes, measured in its own voxels: which of them are solid.
+    std::vector<std::uint8_t> solid{};
+    ImageGrid image{};
+    bool isWholeImage = false;
+
+    double pitch() const { return voxel > 0 ? voxel : voxelSizeOf(*grid); }
+};
+
+/// Voxels beyond the border of an image, so that no surface closes the solid there.
+constexpr std::size_t kRim = 5;
+/// Steps of an image alike to this share are those of cubes.
+constexpr double kCube = 1e-3;
+
+/// The image is all of the total volume: counts its voxels, and continues it beyond its border.
+void takeWhole(const DomainRecipe& solid, Image& image, bool ownVoxels, SolidGrid& found) {
+    image.grid = alongAxes(image.grid);
+    found.image = image.grid;
+    found.isWholeImage = true;
+    found.bounds = image.grid.bounds();
+    found.solid = solidVoxels(solid, image);
+    const auto count = std::count(found.solid.begin(), found.solid.end(), std::uint8_t{1});
+    found.volume = static_cast<double>(count) * std::fabs(image.grid.signedVoxelVolume());
+    const Vec<3> spacing = image.grid.spacing();
+    const auto [least, most] = std::minmax_element(spacing.c.begin(), spacing.c.end());
+    if (!ownVoxels || *most > (1 + kCube) * *least) found.solid.clear();
+    image = withRim(image, kRim);
+}
+
+/// The solid of an image, read. Without a domain, all of the image is the total volume. Voxels that
+/// are not requested get the least step of the image.
+DomainRecipe imageSolid(const MeasureRecipe& recipe, SolidGrid& found, const Callbacks& callbacks) {
     DomainRecipe solid;
     solid.source = recipe.pack;
     solid.unit = recipe.packUnit;
@@ -81,26 +117,16 @@ DomainRecipe imageSolid(const MeasureRecipe& recipe, std::optional<Box<3>>& whol
         solid.space = recipe.domain.space;
     }
     Image image = readDomainImage(solid, callbacks);
-    if (recipe.domain.source.empty()) {
-        image.grid = alongAxes(image.grid);
-        whole = image.grid.bounds();
-    }
+    if (image.isSpaced) warnOfSpacing(solid, true, callbacks);
+    const bool ownVoxels = !(found.voxel > 0);
+    if (recipe.domain.source.empty()) takeWhole(solid, image, ownVoxels, found);
     const Vec<3> spacing = image.grid.spacing();
-    if (!(voxel > 0)) voxel = *std::min_element(spacing.c.begin(), spacing.c.end());
+    if (ownVoxels) found.voxel = *std::min_element(spacing.c.begin(), spacing.c.end());
     solid.unit = Unit::millimeter;
     solid.space = ImageSpace::lps;
     solid.image = std::make_shared<const Image>(std::move(image));
     return solid;
 }
-
-/// A solid as a level set.
-struct SolidGrid {
-    std::shared_ptr<const VdbGrid> grid{};
-    double voxel = 0;               ///< to measure in, mm; 0: those of the level set
-    std::optional<Box<3>> whole{};  ///< of an image without a domain: all of it
-
-    double pitch() const { return voxel > 0 ? voxel : voxelSizeOf(*grid); }
-};
 
 /// Whether the solid is no level set.
 bool isMeshed(const MeasureRecipe& recipe) {
@@ -108,8 +134,23 @@ bool isMeshed(const MeasureRecipe& recipe) {
            (isImageSolid(recipe) || recipe.solidMesh || extensionOf(recipe.pack) != ".vdb");
 }
 
+/// Warns of settings of images where neither the solid nor the domain is one.
+void warnOfNoImage(const MeasureRecipe& recipe, const Callbacks& callbacks) {
+    DomainRecipe solid = recipe.domain;
+    if (isImageSolid(recipe) || (!solid.source.empty() && isImage(solid))) return;
+    solid.source = recipe.pack;
+    warnOfSpacing(solid, false, callbacks);
+    if (!solid.label.empty())
+        callbacks.warn("`label` " + solid.label + " has no effect: " + solid.source +
+                       " is no image");
+    if (solid.threshold)
+        callbacks.warn(fmt::format("`threshold` {:g} has no effect: {} is no image",
+                                   *solid.threshold, solid.source));
+}
+
 SolidGrid readSolid(const MeasureRecipe& recipe, const Callbacks& callbacks) {
     SolidGrid found{recipe.solid, recipe.domain.voxelSize};
+    warnOfNoImage(recipe, callbacks);
     if (found.grid) return found;
     if (!isMeshed(recipe)) {
         found.grid =
@@ -123,11 +164,16 @@ SolidGrid readSolid(const MeasureRecipe& recipe, const Callbacks& callbacks) {
     // An image may end within the solid, and a specimen may be smaller than a bone.
     Callbacks quiet = callbacks;
     if (isImageSolid(recipe)) {
-        solid = imageSolid(recipe, found.whole, found.voxel, callbacks);
+        solid = imageSolid(recipe, found, callbacks);
         quiet.warning = nullptr;
     }
     const double images = recipe.domain.source.empty() ? 1 : kWalledVoxel;
-    found.grid = gridOfMesh(std::move(solid), images, recipe, found.voxel, quiet);
+    const auto field = fieldOfMesh(std::move(solid), images, recipe, found.voxel, quiet);
+    found.grid = field->grid();
+    if (!found.isWholeImage) {
+        found.volume = field->volume();
+        found.bounds = field->bounds();
+    }
     return found;
 }
 
@@ -139,18 +185,27 @@ std::shared_ptr<const Domain<3>> totalVolume(const MeasureRecipe& recipe, const 
     total.voxelSize = 0;
     if (isMeshed(recipe) || extensionOf(total.source) != ".vdb") total.gridName.clear();
     const DomainSource source(total, callbacks);
+    if (isImage(total)) warnOfUnusedSpacing({}, {&source}, callbacks);
     if (source.dim() != 3)
         throw ParameterError(total.source + ": is plane; a solid needs a domain of space");
     const double fine = solid.pitch();
     return source.build(fine, std::max(recipe.shell * 1.05, fine) / 3, callbacks).space;
 }
 
+bool isBox(const DomainRecipe& domain) {
+    return domain.source.rfind("box:", 0) == 0 && domain.clips.empty();
+}
+
 /// The solid in its total volume, and its surroundings where it continues there.
 VoxelImage voxelsOf(const MeasureRecipe& recipe, const SolidGrid& solid, const Domain<3>* total) {
-    const bool boxed = recipe.domain.source.rfind("box:", 0) == 0 && recipe.domain.clips.empty();
     const VdbGrid& grid = *solid.grid;
-    if (!total || (boxed && !(recipe.shell > 0))) {
-        const auto bounds = total ? std::optional<Box<3>>(total->bounds()) : solid.whole;
+    if (!total || (isBox(recipe.domain) && !(recipe.shell > 0))) {
+        if (solid.isWholeImage) {
+            VoxelImage voxels = sampleLevelSet(grid, solid.bounds, solid.voxel);
+            if (!solid.solid.empty()) takeVoxels(solid.solid, solid.image, voxels);
+            return voxels;
+        }
+        const auto bounds = total ? std::optional<Box<3>>(total->bounds()) : std::nullopt;
         return sampleLevelSet(grid, bounds, solid.voxel, marginFor(grid, bounds));
     }
     const SolidSampler sample = [&](const Box<3>& box, double margin) {
@@ -159,11 +214,23 @@ VoxelImage voxelsOf(const MeasureRecipe& recipe, const SolidGrid& solid, const D
     return imageInDomain(*total, recipe.shell, solid.pitch(), sample);
 }
 
+/// Takes the volumes that are known, of the total volume and of a solid all of which lies in it;
+/// voxels count the rest. Regions keep theirs, so that they add up.
+void takeVolumes(const MeasureRecipe& recipe, const SolidGrid& solid, const Domain<3>* total,
+                 Morphometry& m) {
+    if (!m.regions.empty() || !(total || solid.volume)) return;
+    const double volume = total ? total->volume() : solid.bounds.volume();
+    const bool within = solid.volume && (!total || (isBox(recipe.domain) &&
+                                                    total->bounds().contains(solid.bounds.lo) &&
+                                                    total->bounds().contains(solid.bounds.hi)));
+    setVolumes(m, volume, within ? *solid.volume : m.solidFraction * volume);
+}
+
 }  // namespace
 
-std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, double images,
-                                          const RunSettings& settings, double& voxel,
-                                          const Callbacks& callbacks) {
+std::shared_ptr<const MeshDomain> fieldOfMesh(DomainRecipe solid, double images,
+                                              const RunSettings& settings, double& voxel,
+                                              const Callbacks& callbacks) {
     constexpr double kVoxelsAcross = 256;
     solid.voxelSize = voxel;
     std::optional<DomainSource> source(std::in_place, solid, callbacks);
@@ -177,7 +244,7 @@ std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, double images,
     Extent extent = extentOf(*source, voxel, voxel);
     extent.imageVoxels = images * size[0] * size[1] * size[2] / (voxel * voxel * voxel);
     requireResources(extent, settings);
-    return source->build(voxel, voxel, callbacks).mesh->grid();
+    return source->build(voxel, voxel, callbacks).mesh;
 }
 
 bool isImageSolid(const MeasureRecipe& recipe) {
@@ -205,6 +272,8 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     solid.grid.reset();
     MeasureResult result;
     result.morphometry = measuredImage(voxels, recipe.pack, callbacks);
+    result.morphometry->ofVoxels = !solid.solid.empty();
+    takeVolumes(recipe, solid, total.get(), *result.morphometry);
     warnOfBorder(*result.morphometry, voxels, total || isImageSolid(recipe), recipe.pack,
                  callbacks);
     report.seconds.measure = clock.lap();

@@ -1,7 +1,7 @@
 // Private to runs: the morphometry of solids, of files or of spheres.
 #pragma once
 
-#include "vdbpack/domain/domain.h"
+#include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/run/run.h"
 
 #include <memory>
@@ -9,12 +9,12 @@
 
 namespace vdbpack {
 
-/// The level set of a mesh or an image.
+/// The field of a mesh or an image.
 /// @param images  of as many voxels that are made of it. @param voxel  mm; if 0, set to 1/256 of
 /// the longest side.
-std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, double images,
-                                          const RunSettings& settings, double& voxel,
-                                          const Callbacks& callbacks);
+std::shared_ptr<const MeshDomain> fieldOfMesh(DomainRecipe solid, double images,
+                                              const RunSettings& settings, double& voxel,
+                                              const Callbacks& callbacks);
 
 /// Whether `recipe.pack` is an image, and so a solid.
 bool isImageSolid(const MeasureRecipe& recipe);

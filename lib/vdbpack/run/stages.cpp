@@ -84,7 +84,7 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
     for (const DomainSource* source : sources)
         if (source->imageGrid())
             report.axes = source->recipe().space == ImageSpace::ras ? "RAS" : "LPS";
-    if (sources.size() == 1) warnOfUnusedSpacing(settings.outputs, *sources.front(), callbacks);
+    warnOfUnusedSpacing(settings.outputs, sources, callbacks);
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {

@@ -179,6 +179,15 @@ void setStructureModel(SolidMeasures& part, const std::vector<double>& curvature
 
 }  // namespace
 
+void setVolumes(Morphometry& m, double total, double solid) {
+    if (m.structureModelIndex && m.solidVolume > 0) *m.structureModelIndex *= solid / m.solidVolume;
+    m.totalVolume = total;
+    m.solidVolume = solid;
+    m.solidFraction = solid / total;
+    if (m.thickness) m.number = m.solidFraction / m.thickness->mean;
+    m.connectivityDensity = m.connectivity / total;
+}
+
 Morphometry measureMorphometry(const VoxelImage& image) {
     check(image);
     Morphometry m;

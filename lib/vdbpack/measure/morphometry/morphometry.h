@@ -95,6 +95,7 @@ struct Morphometry : SolidMeasures {
     double voxelSize = 0;      ///< mm
     std::uint64_t voxels = 0;  ///< of the total volume
     bool walled = false;       ///< the solid and the pore space end at the wall (`depth`)
+    bool ofVoxels = false;     ///< solid is what an image says of each voxel, not a surface
     BorderShares border;
     /// Share of the solid that its largest connected component has, up to 1; voxels are connected
     /// through faces, edges and corners. Absent without solid.
@@ -146,6 +147,10 @@ struct Morphometry : SolidMeasures {
 /// The same for any number of threads. Cost: 0.5 microseconds per voxel on two threads
 /// and at most 25 bytes per voxel, including the image; 90 bytes for pure noise.
 Morphometry measureMorphometry(const VoxelImage& image);
+
+/// Sets volumes that are known better than by counting voxels, and what follows from them.
+/// @param total, solid  TV and BV of the whole, mm³.
+void setVolumes(Morphometry& morphometry, double total, double solid);
 
 /// Keys in the field's symbols (BV/TV, Tb.Th, ...); null where there is no value.
 nlohmann::ordered_json toJson(const Morphometry& morphometry);

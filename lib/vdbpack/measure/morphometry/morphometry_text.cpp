@@ -143,6 +143,7 @@ void addBorder(Lines& out, const Morphometry& m) {
 
 nlohmann::ordered_json toJson(const Morphometry& m) {
     Json out;
+    out["of"] = m.ofVoxels ? "voxels" : "surface";
     out["voxelSize"] = m.voxelSize;
     out["voxels"] = m.voxels;
     add(out, m);
@@ -163,6 +164,7 @@ nlohmann::ordered_json toJson(const Morphometry& m) {
 std::string summary(const Morphometry& m) {
     Lines out;
     out.add("BV/TV", bvtv(m) + fmt::format(", voxels of {:.4g} mm", m.voxelSize));
+    out.add("", m.ofVoxels ? "of the voxels of the image" : "of the surface, in these voxels");
     addMeasures(out, m);
     if (m.largestComponent)
         out.add("connected", fmt::format("{:.4g} % of the solid is its largest component",
