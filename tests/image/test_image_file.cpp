@@ -1,9 +1,11 @@
 #include "support/image_file.h"
 #include "support/test.h"
 
+#include "vdbpack/core/sphere.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/image/image_surface.h"
 #include "vdbpack/image/label_map.h"
+#include "vdbpack/mesh/mesh_check.h"
 
 namespace {
 
@@ -105,6 +107,35 @@ TEST_CASE("a file without the spacing of its voxels is refused unless one is giv
         ImageReadOptions options;
         options.spacing = {{1, 2, 3}};
         CHECK(readImage(folder.file(name), options).grid.spacing() == Vec<3>{{1, 2, 3}});
+    }
+}
+
+TEST_CASE("voxels that are not numbers are outside of the surface at a threshold") {
+    const TemporaryFolder folder;
+    const auto valueAt = [](const Vec<3>& p) { return std::max(-1000.0, 200 * (8 - length(p))); };
+    auto made = Voxels<float>::of(gridAround(14, {{1, 1, 1}}), valueAt);
+    writeNifti(folder.file("whole.nii"), made, 16);
+    const auto volumeAbove = [](const Image& image, const Callbacks& callbacks) {
+        return checkMesh(thresholdSurface(image, 0, "a", callbacks)).signedVolume;
+    };
+    std::size_t unknown = 0;
+    forEachVoxel(made.grid, [&](std::size_t i, const Vec<3>& p) {
+        if (length(p) < 11) return;
+        made.values[i] = std::nanf("");
+        ++unknown;
+    });
+    writeNifti(folder.file("padded.nii"), made, 16);
+    writeNrrd(folder.file("padded.nrrd"), made, "float");
+    const double volume = volumeAbove(readImage(folder.file("whole.nii")), {});
+    CHECK(volume == Approx(4.0 / 3 * kPi * 512).epsilon(0.02));
+    for (const char* name : {"padded.nii", "padded.nrrd"}) {
+        std::vector<std::string> warnings;
+        Callbacks callbacks;
+        callbacks.warning = [&](const std::string& text) { warnings.push_back(text); };
+        const Image image = readImage(folder.file(name));
+        CHECK(volumeAbove(image, callbacks) == volume);
+        REQUIRE(warnings.size() == 1);
+        CHECK_THAT(warnings.front(), Contains(std::to_string(unknown) + " of"));
     }
 }
 

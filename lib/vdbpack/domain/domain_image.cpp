@@ -117,7 +117,7 @@ TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                 fmt::format("{}: seems to be a label map of {} labels, between whose values "
                             "`threshold` has no meaning; set `label`",
                             recipe.source, labels->size()));
-        return thresholdSurface(image, *recipe.threshold, recipe.source);
+        return thresholdSurface(image, *recipe.threshold, recipe.source, callbacks);
     }
     const auto labels = labelsOf(image);
     const LabelPart part = selectedPart(recipe, labels);

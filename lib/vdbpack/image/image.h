@@ -21,7 +21,7 @@ struct LabelName {
     std::size_t layer = 0;
 };
 
-/// Memory for voxels, by malloc as niftilib allocates; null where there is not enough.
+/// Memory for voxels, not set to anything; null where there is not enough.
 inline std::shared_ptr<std::byte[]> voxelMemory(std::size_t bytes) {
     return {static_cast<std::byte*>(std::malloc(std::max<std::size_t>(bytes, 1))), std::free};
 }

@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 #include <nifti2_io.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
 
 namespace vdbpack {
 
@@ -60,6 +60,25 @@ double apart(const ImageGrid& a, const ImageGrid& b) {
     return largest / std::min({s[0], s[1], s[2]});
 }
 
+/// Reads the numbers as they are; niftilib would make those that are not finite 0.
+void readVoxels(const nifti_image& nifti, const std::string& path, Image& image) {
+    const std::string file = nifti.iname ? nifti.iname : path;
+    const std::unique_ptr<gzFile_s, int (*)(gzFile)> voxels(gzopen(file.c_str(), "rb"), gzclose);
+    if (!voxels) throw IoError(file + ": cannot be opened for reading");
+    const std::size_t width = bytesOf(image.type), bytes = image.values() * width;
+    bool whole = gzseek(voxels.get(), static_cast<z_off_t>(nifti.iname_offset), SEEK_SET) >= 0;
+    constexpr std::size_t kPiece = std::size_t{1} << 30;
+    for (std::size_t at = 0; whole && at < bytes; at += kPiece) {
+        const auto piece = static_cast<unsigned>(std::min(kPiece, bytes - at));
+        whole = gzread(voxels.get(), image.bytes.get() + at, piece) == static_cast<int>(piece);
+    }
+    if (!whole)
+        throw InputError(path + ": ends before its last voxel; it is damaged or incomplete");
+    if (width > 1 && nifti.byteorder != nifti_short_order())
+        nifti_swap_Nbytes(static_cast<std::int64_t>(image.values()), static_cast<int>(width),
+                          image.bytes.get());
+}
+
 }  // namespace
 
 Image readNifti(const std::string& path, const ImageReadOptions& options) {
@@ -101,11 +120,8 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
     checkAxes(grid, path, callbacks);
     const NumberType type = voxelType(lowered(nifti_datatype_string(nifti->datatype)), path);
     Image image = allocatedImage(path, grid, 1, type, sizeOf(nifti->iname ? nifti->iname : path));
-    image.bytes.reset();  // niftilib allocates
     callbacks.stopIfCancelled();
-    if (nifti_image_load(nifti.get()) != 0 || !nifti->data)
-        throw InputError(path + ": ends before its last voxel; it is damaged or incomplete");
-    image.bytes.reset(static_cast<std::byte*>(std::exchange(nifti->data, nullptr)), std::free);
+    readVoxels(*nifti, path, image);
     if (nifti->scl_slope != 0 && std::isfinite(nifti->scl_slope) &&
         std::isfinite(nifti->scl_inter)) {
         image.slope = nifti->scl_slope;
