@@ -22,15 +22,17 @@ struct FreeNifti {
 };
 using Nifti = std::unique_ptr<nifti_image, FreeNifti>;
 
-/// Millimeters per unit of the file.
-double unitOf(const nifti_image& nifti) {
+/// The unit of the file; empty: it states none.
+const char* unitOf(const nifti_image& nifti) {
     switch (nifti.xyz_units) {
         case NIFTI_UNITS_METER:
-            return 1000;
+            return "m";
+        case NIFTI_UNITS_MM:
+            return "mm";
         case NIFTI_UNITS_MICRON:
-            return 0.001;
+            return "um";
         default:
-            return 1;
+            return "";
     }
 }
 
@@ -67,9 +69,9 @@ void readVoxels(const nifti_image& nifti, const std::string& path, Image& image)
     if (!voxels) throw IoError(file + ": cannot be opened for reading");
     const std::size_t width = bytesOf(image.type), bytes = image.values() * width;
     bool whole = gzseek(voxels.get(), static_cast<z_off_t>(nifti.iname_offset), SEEK_SET) >= 0;
-    constexpr std::size_t kPiece = std::size_t{1} << 30;
-    for (std::size_t at = 0; whole && at < bytes; at += kPiece) {
-        const auto piece = static_cast<unsigned>(std::min(kPiece, bytes - at));
+    constexpr std::size_t kGzipPiece = std::size_t{1} << 30;
+    for (std::size_t at = 0; whole && at < bytes; at += kGzipPiece) {
+        const auto piece = static_cast<unsigned>(std::min(kGzipPiece, bytes - at));
         whole = gzread(voxels.get(), image.bytes.get() + at, piece) == static_cast<int>(piece);
     }
     if (!whole)
@@ -82,7 +84,7 @@ void readVoxels(const nifti_image& nifti, const std::string& path, Image& image)
 }  // namespace
 
 Image readNifti(const std::string& path, const ImageReadOptions& options) {
-    checkNiftiHeader(path);
+    std::array<bool, 3> known = checkNiftiHeader(path);
     nifti_set_debug_level(0);
     const Nifti nifti(nifti_image_read(path.c_str(), 0));
     if (!nifti) throw InputError(path + ": is no NIfTI image, or its header is damaged");
@@ -96,8 +98,9 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
         size[static_cast<std::size_t>(d)] = d < nifti->ndim && nifti->dim[d + 1] > 0
                                                 ? static_cast<std::size_t>(nifti->dim[d + 1])
                                                 : 1;
-    const double unit = unitOf(*nifti);
     const Callbacks& callbacks = options.callbacks;
+    const double stated = unitFactor(unitOf(*nifti), path, callbacks);
+    const double unit = stated > 0 ? stated : 1;
     ImageGrid grid;
     if (nifti->sform_code > 0) {
         grid = gridOf(nifti->sto_xyz, unit);
@@ -117,6 +120,8 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
                 path +
                 ": has neither sform nor qform: where it lies and which side is left is unknown");
     }
+    if (nifti->sform_code > 0) known = {true, true, true};
+    const bool spaced = applySpacing(grid, options, known, path);
     checkAxes(grid, path, callbacks);
     const NumberType type = voxelType(lowered(nifti_datatype_string(nifti->datatype)), path);
     Image image = allocatedImage(path, grid, 1, type, sizeOf(nifti->iname ? nifti->iname : path));
@@ -127,6 +132,8 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
         image.slope = nifti->scl_slope;
         image.intercept = nifti->scl_inter;
     }
+    image.isSpaced = spaced;
+    image.unit = stated;
     image.format = nifti->nifti_type == NIFTI_FTYPE_ANALYZE ? "Analyze" : "NIfTI";
     return image;
 }
