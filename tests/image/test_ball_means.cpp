@@ -45,6 +45,17 @@ TEST_CASE("grey values of spheres are the means over their voxels", "[long]") {
         else
             CHECK(means[i] == Approx(0.5 * valueAt(spheres[i].center) - 100).margin(0.01 * range));
     }
+    // Voxels that are not numbers (padding of a resampled CT) do not count.
+    Image row;
+    row.grid.size = {5, 1, 1};
+    row.type = NumberType::f32;
+    row.bytes = voxelMemory(20);
+    const float nan = std::nanf(""), values[] = {nan, 3, 5, nan, nan};
+    std::memcpy(row.bytes.get(), values, 20);
+    CHECK(ballMeans(row, {{{{1, 0, 0}}, 1.2}}).front() == 4);
+    CHECK(std::isnan(ballMeans(row, {{{{4, 0, 0}}, 0.5}}).front()));
+    CHECK(fillFromNearest(row) == 3);
+    for (int x = 0; x < 5; ++x) CHECK(ImageSampler(row).at({{1.0 * x, 0, 0}}) == (x < 2 ? 3 : 5));
     const auto outside = ballMeans(image, {{{{1000, 0, 0}}, 1}});
     CHECK(std::isnan(outside.front()));
 }

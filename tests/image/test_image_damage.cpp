@@ -1,3 +1,4 @@
+#include "support/dicom_file.h"
 #include "support/image_file.h"
 #include "support/test.h"
 
@@ -19,29 +20,6 @@ std::string meta(const std::string& lines, const std::string& data = "LOCAL\n123
            "BinaryData = True\nElementSpacing = 1 1 1\nDimSize = 2 2 2\nElementType = MET_UCHAR\n"
            "ElementDataFile = " +
            data;
-}
-
-std::string element(int group, int number, const std::string& vr, const std::string& value) {
-    const auto two = [](std::size_t n) {
-        return std::string{static_cast<char>(n & 0xff), static_cast<char>(n >> 8)};
-    };
-    return two(static_cast<std::size_t>(group)) + two(static_cast<std::size_t>(number)) + vr +
-           (vr == "OW" ? two(0) + two(value.size()) + two(0) : two(value.size())) + value;
-}
-
-/// A slice of 2 x 2 pixels at a height.
-std::string slice(const std::string& height) {
-    const std::string two("\2\0", 2), sixteen("\20\0", 2), one("\1\0", 2);
-    return std::string(128, '\0') + "DICM" + element(2, 0x10, "UI", "1.2.840.10008.1.2.1 ") +
-           element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.2 ") + element(0x20, 0xe, "UI", "1.2 ") +
-           element(0x20, 0x32, "DS", "0\\0\\" + height) +
-           element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0 ") + element(0x28, 2, "US", one) +
-           element(0x28, 4, "CS", "MONOCHROME2 ") + element(0x28, 0x10, "US", two) +
-           element(0x28, 0x11, "US", two) + element(0x28, 0x30, "DS", "1\\1 ") +
-           element(0x28, 0x100, "US", sixteen) + element(0x28, 0x101, "US", sixteen) +
-           element(0x28, 0x102, "US", std::string("\17\0", 2)) +
-           element(0x28, 0x103, "US", std::string(2, '\0')) +
-           element(0x7fe0, 0x10, "OW", "12345678");
 }
 
 }  // namespace
@@ -93,8 +71,8 @@ TEST_CASE("headers that libraries do not survive are refused before") {
 
 TEST_CASE("DICOM: damaged slices are refused by name, other files are left out") {
     const TemporaryFolder folder;
-    const std::string second = slice("1.5 ");
-    writeBytes(folder.file("1.dcm"), slice("0 "));
+    const std::string second = dicomSlice("1.5").file();
+    writeBytes(folder.file("1.dcm"), dicomSlice("0").file());
     writeBytes(folder.file("2.dcm"), second);
     writeBytes(folder.file("notes.txt"), "no slice");
     CHECK(readImage(folder.file("")).grid.size[2] == 2);

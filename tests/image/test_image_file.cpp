@@ -1,9 +1,12 @@
 #include "support/image_file.h"
 #include "support/test.h"
 
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/domain/domain_image.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/image/image_surface.h"
 #include "vdbpack/image/label_map.h"
+#include "vdbpack/mesh/mesh_check.h"
 
 namespace {
 
@@ -108,6 +111,35 @@ TEST_CASE("a file without the spacing of its voxels is refused unless one is giv
     }
 }
 
+TEST_CASE("voxels that are not numbers are outside of the surface at a threshold") {
+    const TemporaryFolder folder;
+    const auto valueAt = [](const Vec<3>& p) { return std::max(-1000.0, 200 * (8 - length(p))); };
+    auto made = Voxels<float>::of(gridAround(14, {{1, 1, 1}}), valueAt);
+    writeNifti(folder.file("whole.nii"), made, 16);
+    const auto volumeAbove = [](const Image& image, const Callbacks& callbacks) {
+        return checkMesh(thresholdSurface(image, 0, "a", callbacks)).signedVolume;
+    };
+    std::size_t unknown = 0;
+    forEachVoxel(made.grid, [&](std::size_t i, const Vec<3>& p) {
+        if (length(p) < 11) return;
+        made.values[i] = std::nanf("");
+        ++unknown;
+    });
+    writeNifti(folder.file("padded.nii"), made, 16);
+    writeNrrd(folder.file("padded.nrrd"), made, "float");
+    const double volume = volumeAbove(readImage(folder.file("whole.nii")), {});
+    CHECK(volume == Approx(4.0 / 3 * kPi * 512).epsilon(0.02));
+    for (const char* name : {"padded.nii", "padded.nrrd"}) {
+        std::vector<std::string> warnings;
+        Callbacks callbacks;
+        callbacks.warning = [&](const std::string& text) { warnings.push_back(text); };
+        const Image image = readImage(folder.file(name));
+        CHECK(volumeAbove(image, callbacks) == volume);
+        REQUIRE(warnings.size() == 1);
+        CHECK_THAT(warnings.front(), Contains(std::to_string(unknown) + " of"));
+    }
+}
+
 TEST_CASE("NIfTI: the sform counts, and a qform elsewhere is reported") {
     const TemporaryFolder folder;
     const auto made = halves();
@@ -123,6 +155,54 @@ TEST_CASE("NIfTI: the sform counts, and a qform elsewhere is reported") {
         header.replace(at, 2, reinterpret_cast<const char*>(&none), 2);
     writeBytes(folder.file("none.nii"), header + bytesOfValues(made.values));
     CHECK_THAT(warningsOf(folder.file("none.nii")).at(0), Contains("unknown"));
+}
+
+TEST_CASE("NIfTI: distances that are no positive numbers count as not stated") {
+    const TemporaryFolder folder;
+    const auto made = halves();
+    std::string header = niftiHeader(made, 2);
+    header.replace(254, 2, 2, '\0');  // no sform, no qform
+    for (const float distance : {0.0f, std::nanf("")}) {
+        header.replace(88, 4, reinterpret_cast<const char*>(&distance), 4);
+        writeBytes(folder.file("a.nii"), header + bytesOfValues(made.values));
+        CHECK_THAT(messageFor(folder.file("a.nii")), Contains("axis 3; set `voxelSpacing`"));
+        ImageReadOptions options;
+        options.spacing = {{7, 8, 9}};
+        const Vec<3> spacing = readImage(folder.file("a.nii"), options).grid.spacing();
+        CHECK(length(spacing - Vec<3>{{1, 1.25, 9}}) < 1e-6);
+    }
+}
+
+TEST_CASE("units that files state are used once, and those of others do not apply to them") {
+    const TemporaryFolder folder;
+    const auto made = halves();
+    writeMeta(folder.file("mm.mha"), made, "MET_UCHAR");
+    std::ifstream in(folder.file("mm.mha"), std::ios::binary);
+    std::string meta{std::istreambuf_iterator<char>(in), {}};
+    meta.insert(meta.find("ElementType"), "DistanceUnits = um\n");
+    writeBytes(folder.file("um.mha"), meta);
+    std::string header = niftiHeader(made, 2);
+    header[123] = 3;  // um
+    writeBytes(folder.file("um.nii"), header + bytesOfValues(made.values));
+    writeNrrd(folder.file("um.nrrd"), made, "uint8", "space units: \"um\" \"um\" \"um\"\n");
+    for (const char* name : {"um.mha", "um.nii", "um.nrrd"}) {
+        CAPTURE(name);
+        DomainRecipe domain;
+        domain.source = folder.file(name);
+        std::vector<std::string> warnings;
+        Callbacks callbacks;
+        callbacks.warning = [&](const std::string& text) { warnings.push_back(text); };
+        for (const Unit unit : {Unit::millimeter, Unit::micrometer}) {
+            domain.unit = unit;
+            const ImageGrid grid = readDomainImage(domain, callbacks).grid;
+            CHECK(length(grid.origin - 0.001 * made.grid.origin) < 1e-6);
+            CHECK(length(grid.spacing() - 0.001 * made.grid.spacing()) < 1e-9);
+        }
+        CHECK_THAT(warnings.at(0), Contains("0.001"));
+        domain.unit = Unit::meter;
+        CHECK_THROWS_AS(readDomainImage(domain, {}), ParameterError);
+        CHECK(length(readGreyImage(folder.file(name), domain, {}).grid.spacing()) < 0.003);
+    }
 }
 
 TEST_CASE("damaged images are refused without memory for what they claim") {

@@ -52,12 +52,20 @@ LabelPart selectedPart(const DomainRecipe& recipe,
                     path, labels->size(), list));
 }
 
-Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
+/// @param unitOfOther  whether the unit of the recipe is that of another file, which an image that
+/// states its own may contradict
+Image placedImage(const DomainRecipe& recipe, const Callbacks& callbacks, bool unitOfOther) {
     ImageReadOptions options;
     options.callbacks = callbacks;
     options.spacing = recipe.voxelSpacing;
     Image image = recipe.image ? *recipe.image : readImage(recipe.source, options);
-    const double scale = recipe.scale * millimetersPer(recipe.unit);
+    const double unit = millimetersPer(recipe.unit);
+    if (!unitOfOther && image.unit > 0 && unit != 1 && unit != image.unit)
+        throw ParameterError(fmt::format(
+            "{}: states its unit of length, {:g} mm; `unit` {} contradicts it. Leave `unit` out, "
+            "or set `scale` if the file is wrong",
+            recipe.source, image.unit, unitName(recipe.unit)));
+    const double scale = recipe.scale * (image.unit > 0 ? 1 : unit);
     image.grid.origin *= scale;
     for (Vec<3>& step : image.grid.step) step *= scale;
     if (recipe.space == ImageSpace::ras)
@@ -66,6 +74,12 @@ Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
             for (Vec<3>& step : image.grid.step) step[d] *= -1;
         }
     return image;
+}
+
+}  // namespace
+
+Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
+    return placedImage(recipe, callbacks, false);
 }
 
 void requireThere(const std::string& file) {
@@ -92,7 +106,7 @@ Image readGreyImage(const std::string& file, const DomainRecipe& domain,
         recipe.unit = domain.unit;
         recipe.scale = domain.scale;
     }
-    Image image = readDomainImage(recipe, callbacks);
+    Image image = placedImage(recipe, callbacks, true);
     if (image.layers != 1)
         throw InputError(file + ": has several values at each voxel; give one layer");
     return image;
@@ -112,7 +126,7 @@ TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                 fmt::format("{}: seems to be a label map of {} labels, between whose values "
                             "`threshold` has no meaning; set `label`",
                             recipe.source, labels->size()));
-        return thresholdSurface(image, *recipe.threshold, recipe.source);
+        return thresholdSurface(image, *recipe.threshold, recipe.source, callbacks);
     }
     const auto labels = labelsOf(image);
     const LabelPart part = selectedPart(recipe, labels);

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace vdbpack {
@@ -41,15 +42,17 @@ double meanOver(const ImageGrid& grid, const ImageValues<T>& values, const Spher
     }
     double sum = 0;
     std::uint64_t count = 0;
-    forEachVoxelIn(grid, reach, ball, slicesOf(grid, reach, ball), [&](std::size_t voxel) {
-        sum += values.value(voxel);
+    const auto add = [&](double value) {
+        if (std::isnan(value)) return;
+        sum += value;
         ++count;
-    });
-    if (count > 0) return sum / static_cast<double>(count);
-    sum = 0;
-    for (const Vec<3>& p : points)
-        sum += values.interpolated(grid.indexOf(ball.center + ball.radius * p));
-    return sum / kPoints;
+    };
+    forEachVoxelIn(grid, reach, ball, slicesOf(grid, reach, ball),
+                   [&](std::size_t voxel) { add(values.value(voxel)); });
+    if (count == 0)
+        for (const Vec<3>& p : points)
+            add(values.interpolated(grid.indexOf(ball.center + ball.radius * p)));
+    return sum / static_cast<double>(count);
 }
 
 void requireOneLayer(const Image& image) {
@@ -83,6 +86,40 @@ double ImageSampler::at(const Vec<3>& point) const {
     return image_.visit([&](const auto* numbers) {
         return ImageValues(image_, numbers).interpolated(indexer_.indexOf(point));
     });
+}
+
+std::size_t fillFromNearest(Image& image) {
+    if (!isReal(image.type)) return 0;
+    requireOneLayer(image);
+    std::vector<std::size_t> open;  // known voxels, the nearest to the first ones first
+    std::size_t filled = 0;
+    const auto& size = image.grid.size;
+    const std::size_t step[3] = {1, size[0], size[0] * size[1]};
+    image.visit([&](auto* constant) {
+        using T = std::remove_const_t<std::remove_pointer_t<decltype(constant)>>;
+        auto* const numbers = const_cast<T*>(constant);
+        const auto unknown = [&](std::size_t i) { return numbers[i] != numbers[i]; };
+        const auto forEachUnknownBeside = [&](std::size_t i, const auto& work) {
+            for (std::size_t d = 0; d < 3; ++d) {
+                const std::size_t at = i / step[d] % size[d];
+                if (at > 0 && unknown(i - step[d])) work(i - step[d]);
+                if (at + 1 < size[d] && unknown(i + step[d])) work(i + step[d]);
+            }
+        };
+        for (std::size_t i = 0; i < image.values(); ++i) {
+            bool border = false;
+            if (!unknown(i)) forEachUnknownBeside(i, [&](std::size_t) { border = true; });
+            if (border) open.push_back(i);
+        }
+        if (open.empty() && unknown(0)) throw InputError("no voxel of the image is a number");
+        for (std::size_t k = 0; k < open.size(); ++k)
+            forEachUnknownBeside(open[k], [&](std::size_t i) {
+                numbers[i] = numbers[open[k]];
+                open.push_back(i);
+                ++filled;
+            });
+    });
+    return filled;
 }
 
 }  // namespace vdbpack

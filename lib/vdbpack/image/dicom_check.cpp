@@ -86,6 +86,10 @@ public:
         if (!kind.dicom) return kind;
         const std::uint64_t begin = walkMeta();
         walkElements(begin, file_.size(), false, implicit_, 0);
+        if (startsWith(values_[0x00080016], "1.2.840.10008.5.1.4.1.1.66."))
+            file_.fail(
+                "is a DICOM segmentation object, which is not read; convert it to .nrrd or .nii "
+                "with 3D Slicer or dcmqi's segimage2itkimage");
         kind.image = pixels_.tag == kPixels || values_.count(kRows) > 0;
         if (kind.image) checkPixels();
         for (const std::uint32_t tag :

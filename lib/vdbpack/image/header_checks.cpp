@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -46,7 +47,7 @@ void checkTiffPages(const std::string& path) {
     }
 }
 
-void checkNiftiHeader(const std::string& path) {
+std::array<bool, 3> checkNiftiHeader(const std::string& path) {
     const auto fail = [&](const std::string& what) {
         throw InputError(
             fmt::format("{}: {}; it is no NIfTI image, or its header is damaged", path, what));
@@ -75,18 +76,25 @@ void checkNiftiHeader(const std::string& path) {
         static_cast<int>(unsignedNumber(header.data() + (second ? 12 : 70), 2, bigEndian));
     if (std::find(std::begin(kTypes), std::end(kTypes), type) == std::end(kTypes))
         fail(fmt::format("its data type is {}", type));
-    double begin = 0;
-    if (second) {
-        begin = static_cast<double>(
-            static_cast<std::int64_t>(unsignedNumber(header.data() + 168, 8, bigEndian)));
-    } else {
-        const auto bits =
-            static_cast<std::uint32_t>(unsignedNumber(header.data() + 108, 4, bigEndian));
-        float value = 0;
-        std::memcpy(&value, &bits, 4);
-        begin = static_cast<double>(value);
-    }
+    const auto real = [&](std::size_t at) {
+        const std::uint64_t bits = unsignedNumber(header.data() + at, second ? 8 : 4, bigEndian);
+        const auto half = static_cast<std::uint32_t>(bits);
+        double wide = 0;
+        float narrow = 0;
+        std::memcpy(&wide, &bits, 8);
+        std::memcpy(&narrow, &half, 4);
+        return second ? wide : static_cast<double>(narrow);
+    };
+    const double begin = second ? static_cast<double>(static_cast<std::int64_t>(
+                                      unsignedNumber(header.data() + 168, 8, bigEndian)))
+                                : real(108);
     if (!(begin >= 0 && begin < 1e9)) fail(fmt::format("its voxels begin at byte {:g}", begin));
+    std::array<bool, 3> spaced{};
+    for (std::size_t d = 0; d < 3; ++d) {
+        const double distance = real(second ? 112 + 8 * d : 80 + 4 * d);
+        spaced[d] = std::isfinite(distance) && distance != 0;
+    }
+    return spaced;
 }
 
 }  // namespace vdbpack

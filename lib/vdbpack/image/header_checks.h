@@ -1,6 +1,7 @@
 // Private: what libraries do not check in the headers of images before they trust them.
 #pragma once
 
+#include <array>
 #include <string>
 
 namespace vdbpack {
@@ -13,7 +14,8 @@ bool isTiff(const std::string& path);
 void checkTiffPages(const std::string& path);
 
 /// Refuses NIfTI files, also gzipped ones, whose header is no such or has impossible sizes.
-/// @throws InputError, IoError
-void checkNiftiHeader(const std::string& path);
+/// @return whether its pixdim states the distance of voxels along each axis; niftilib takes 1 where
+/// it does not. @throws InputError, IoError
+std::array<bool, 3> checkNiftiHeader(const std::string& path);
 
 }  // namespace vdbpack

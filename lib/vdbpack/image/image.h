@@ -21,7 +21,7 @@ struct LabelName {
     std::size_t layer = 0;
 };
 
-/// Memory for voxels, by malloc as niftilib allocates; null where there is not enough.
+/// Memory for voxels, not set to anything; null where there is not enough.
 inline std::shared_ptr<std::byte[]> voxelMemory(std::size_t bytes) {
     return {static_cast<std::byte*>(std::malloc(std::max<std::size_t>(bytes, 1))), std::free};
 }
@@ -37,6 +37,7 @@ struct Image {
     std::vector<LabelName> names;     ///< empty: the file has none
     std::string format;               ///< such as "NIfTI"
     bool isSpaced = true;             ///< the file states the distances of its voxels
+    double unit = 0;                  ///< mm, of the unit that the file states; 0: it states none
 
     std::size_t values() const { return grid.voxels() * layers; }
     /// What a number of the file stands for.

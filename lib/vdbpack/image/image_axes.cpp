@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 
 namespace vdbpack {
 
@@ -50,16 +51,58 @@ std::uint64_t sizeOf(const std::string& path) {
     return size;
 }
 
-void applySpacing(ImageGrid& grid, const ImageReadOptions& options, bool known,
+bool applySpacing(ImageGrid& grid, const ImageReadOptions& options, std::array<bool, 3> known,
                   const std::string& path) {
-    if (known) return;
-    if (!options.spacing)
-        throw InputError(path + ": does not say how far its voxels are apart; set `voxelSpacing`");
-    for (int d = 0; d < 3; ++d) {
-        Vec<3>& step = grid.step[static_cast<std::size_t>(d)];
-        if (!(squaredLength(step) > 0)) step[d] = 1;
-        step = normalized(step) * (*options.spacing)[d];
+    std::string missing;
+    for (std::size_t d = 0; d < 3; ++d) {
+        Vec<3>& step = grid.step[d];
+        const double size = length(step);
+        const bool sound = size > 0 && std::isfinite(size);
+        if (known[d] && sound) continue;
+        missing += missing.empty() ? "axis " : ", ";
+        missing += std::to_string(d + 1);
+        if (!sound) {
+            step = {};
+            step.c[d] = 1;
+        }
+        if (options.spacing) step = normalized(step) * options.spacing->c[d];
     }
+    if (!missing.empty() && !options.spacing)
+        throw InputError(
+            fmt::format("{}: does not say how far its voxels are apart along {}; set "
+                        "`voxelSpacing`",
+                        path, missing));
+    return missing.empty();
+}
+
+double unitFactor(const std::string& unit, const std::string& path, const Callbacks& callbacks) {
+    struct Known {
+        double factor;
+        std::initializer_list<const char*> names;
+    };
+    static const Known kKnown[] = {
+        {1, {"mm", "millimeter", "millimetre"}},
+        {1e-3, {"um", "\u00b5m", "\u03bcm", "micron", "micrometer", "micrometre"}},
+        {1e-6, {"nm", "nanometer", "nanometre"}},
+        {10, {"cm", "centimeter", "centimetre"}},
+        {1000, {"m", "meter", "metre"}}};
+    std::string name = lowered(unit);
+    if (name.empty() || name == "?" || name == "???" || name == "none") return 0;
+    for (const auto& [factor, names] : kKnown)
+        for (const std::string known : names) {
+            if (name != known && name != known + 's') continue;
+            if (factor != 1)
+                callbacks.warn(
+                    fmt::format("{}: states lengths in {}; they are multiplied by {:g} "
+                                "to mm",
+                                path, unit, factor));
+            return factor;
+        }
+    callbacks.warn(
+        fmt::format("{}: states lengths in {}, which is no known unit; they are taken "
+                    "as mm",
+                    path, quotedExcerpt(unit)));
+    return 0;
 }
 
 void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callbacks) {
@@ -92,6 +135,18 @@ void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callba
             "{}: its axes are perpendicular only up to {:.1e}, and were made so", path, skew));
     unit = perpendicular(unit);
     for (std::size_t k = 0; k < 3; ++k) grid.step[k] = unit[k] * spacing.c[k];
+}
+
+void toFloats(NumberType type, const std::shared_ptr<std::byte[]>& from, std::size_t count,
+              double slope, double intercept, float* to) {
+    Image image;
+    image.type = type;
+    image.bytes = from;
+    image.slope = slope;
+    image.intercept = intercept;
+    image.visit([&](const auto* numbers) {
+        for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<float>(image.value(numbers[i]));
+    });
 }
 
 Image allocatedImage(const std::string& path, const ImageGrid& grid, std::size_t layers,

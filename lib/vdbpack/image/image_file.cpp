@@ -1,6 +1,7 @@
 #include "vdbpack/image/image_file.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/image/dicom.h"
 #include "vdbpack/image/header_checks.h"
 #include "vdbpack/image/itk_image.h"
 #include "vdbpack/image/meta_image.h"
@@ -107,7 +108,7 @@ Image readImage(const std::string& path, const ImageReadOptions& options) {
                     (*options.spacing)[0], (*options.spacing)[1], (*options.spacing)[2]));
     if (isFolder(path)) {
         const auto files = tiffFiles(path, "*");
-        return files.empty() ? readDicomFolder(path, options) : readTiffStack(files, options);
+        return files.empty() ? readDicom(path, options) : readTiffStack(files, options);
     }
     if (isPattern(path)) {
         const std::filesystem::path pattern = path;
@@ -119,7 +120,9 @@ Image readImage(const std::string& path, const ImageReadOptions& options) {
     if (!std::filesystem::exists(path, ignored)) throw IoError(path + ": there is no such file");
     const std::string extension = extensionOf(path);
     if (extension == ".mha" || extension == ".mhd") return readMetaImage(path, options);
-    return isNifti(path) ? readNifti(path, options) : readByItk(path, options);
+    if (isNifti(path)) return readNifti(path, options);
+    const bool byItk = isTiff(path) || extension == ".nrrd" || extension == ".nhdr";
+    return byItk ? readByItk(path, options) : readDicom(path, options);
 }
 
 }  // namespace vdbpack

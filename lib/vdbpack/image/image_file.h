@@ -14,19 +14,20 @@ namespace vdbpack {
 bool namesImage(const std::string& path);
 
 struct ImageReadOptions {
-    /// Distances of voxels along the axes, mm, of files that state none: TIFF, some NRRD and
-    /// MetaImage. Others keep their own.
+    /// Distances of voxels along the axes, mm, where files state none that is a positive number:
+    /// TIFF, some others. Distances that are stated are kept.
     std::optional<Vec<3>> spacing;
     Callbacks callbacks{};  ///< warnings, where a file says less than it should
 };
 
 /// Reads an image into the world of DICOM, mm.
 ///
-/// NIfTI by niftilib, MetaImage here, the others by ITK. Of NIfTI the sform is used, else the
-/// qform. Direction cosines that are perpendicular up to 1e-3 are made so (with a warning above
-/// 1e-5); axes that are sheared by more are kept as they are, with a warning. Slices of a series
-/// are placed by their positions, which must be evenly spaced. TIFF stacks are sorted by the
-/// numbers in their names.
+/// Pixels of NIfTI, MetaImage and the geometry of NRRD are read here, the others by niftilib, GDCM
+/// and ITK. A unit that a file states is used, with a warning where it is not mm. Of NIfTI the
+/// sform is used, else the qform. Direction cosines that are perpendicular up to 1e-3 are made so
+/// (with a warning above 1e-5); axes that are sheared by more are kept as they are, with a warning.
+/// Slices and frames of DICOM are placed by their positions, which must be evenly spaced. TIFF
+/// stacks are sorted by the numbers in their names.
 ///
 /// @throws InputError for content that is no image or cannot be placed, IoError if a file cannot be
 /// read, ParameterError for a useless `spacing` or where the build has no image libraries,

@@ -1,4 +1,5 @@
 #include "vdbpack/core/error.h"
+#include "vdbpack/image/dicom.h"
 #include "vdbpack/image/itk_image.h"
 #include "vdbpack/image/nifti.h"
 
@@ -20,8 +21,8 @@ Image readNifti(const std::string& path, const ImageReadOptions&) {
 Image readByItk(const std::string& path, const ImageReadOptions&) {
     refuse(path);
 }
-Image readDicomFolder(const std::string& folder, const ImageReadOptions&) {
-    refuse(folder);
+Image readDicom(const std::string& path, const ImageReadOptions&) {
+    refuse(path);
 }
 Image readTiffStack(const std::vector<std::string>& files, const ImageReadOptions&) {
     refuse(files.front());

@@ -280,19 +280,28 @@ std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<La
     return meshes;
 }
 
-TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path) {
+TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path,
+                              const Callbacks& callbacks) {
     LabelVoxels voxels;
     voxels.size = image.grid.size;
     voxels.labels.resize(image.grid.voxels());
     return image.visit([&](const auto* values) {
         const auto valueAt = [&](std::size_t i) { return image.value(values[i * image.layers]); };
-        std::atomic<std::size_t> inside{0};
+        std::atomic<std::size_t> inside{0}, unknown{0};
         parallelFor(IndexRange(0, voxels.labels.size(), 65536), [&](const IndexRange& block) {
-            std::size_t count = 0;
-            for (std::size_t i = block.begin(); i < block.end(); ++i)
-                count += voxels.labels[i] = valueAt(i) >= threshold;
+            std::size_t count = 0, noNumbers = 0;
+            for (std::size_t i = block.begin(); i < block.end(); ++i) {
+                const double value = valueAt(i);
+                count += voxels.labels[i] = value >= threshold;
+                noNumbers += std::isnan(value);
+            }
             inside += count;
+            unknown += noNumbers;
         });
+        if (unknown > 0)
+            callbacks.warn(
+                fmt::format("{}: {} of {} voxels are not numbers (nan); they are outside", path,
+                            unknown.load(), voxels.labels.size()));
         if (inside == 0 || inside == voxels.labels.size())
             throw InputError(
                 fmt::format("{}: {} of its values are {:g} or more; set `threshold` "

@@ -1,6 +1,7 @@
 // Surfaces of labels and of grey values above a threshold.
 #pragma once
 
+#include "vdbpack/core/progress.h"
 #include "vdbpack/image/image.h"
 #include "vdbpack/image/surface_net.h"
 #include "vdbpack/mesh/triangle_mesh.h"
@@ -50,7 +51,9 @@ std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<La
                                         const std::vector<LabelPart>& parts);
 
 /// The surface around the values of at least `threshold`, mm, placed between voxels by their
-/// values. @throws InputError if all values or none are that high; ResourceError
-TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path);
+/// values. Values that are not numbers are outside, and a warning counts them.
+/// @throws InputError if all values or none are that high; ResourceError
+TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path,
+                              const Callbacks& callbacks = {});
 
 }  // namespace vdbpack

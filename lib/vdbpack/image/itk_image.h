@@ -8,11 +8,8 @@
 
 namespace vdbpack {
 
-/// .nrrd, .nhdr, .mha, .mhd, one .dcm or .tif. @throws as `readImage`
+/// .nrrd, .nhdr, or one .tif of several pages. @throws as `readImage`
 Image readByItk(const std::string& path, const ImageReadOptions& options);
-
-/// A folder of DICOM files of one series. @throws as `readImage`
-Image readDicomFolder(const std::string& folder, const ImageReadOptions& options);
 
 /// Files of one slice each, in order. @throws as `readImage`
 Image readTiffStack(const std::vector<std::string>& files, const ImageReadOptions& options);

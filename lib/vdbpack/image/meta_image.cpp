@@ -142,8 +142,13 @@ void swapBytes(std::byte* bytes, std::size_t count, std::size_t width) {
 Image readMetaImage(const std::string& path, const ImageReadOptions& options) {
     const TextHeader header = readTextHeader(path);
     ImageGrid grid = gridOf(header, path);
-    const bool spaced = header.has("elementspacing") || header.has("elementsize");
-    applySpacing(grid, options, spaced, path);
+    const bool stated = header.has("elementspacing") || header.has("elementsize");
+    const double unit = unitFactor(header.value("distanceunits"), path, options.callbacks);
+    if (unit > 0) {
+        grid.origin *= unit;
+        for (Vec<3>& step : grid.step) step *= unit;
+    }
+    const bool spaced = applySpacing(grid, options, {stated, stated, stated}, path);
     checkAxes(grid, path, options.callbacks);
     if (wholeOf(header, "elementnumberofchannels", 1, 65535, 1, path) != 1)
         throw InputError(path +
@@ -171,6 +176,7 @@ Image readMetaImage(const std::string& path, const ImageReadOptions& options) {
     if (isTrue(header, "binarydatabyteordermsb") || isTrue(header, "elementbyteordermsb"))
         swapBytes(image.bytes.get(), bytes, bytesOf(image.type));
     image.isSpaced = spaced;
+    image.unit = unit;
     image.format = "MetaImage";
     return image;
 }

@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 #include <nifti2_io.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
 
 namespace vdbpack {
 
@@ -22,15 +22,17 @@ struct FreeNifti {
 };
 using Nifti = std::unique_ptr<nifti_image, FreeNifti>;
 
-/// Millimeters per unit of the file.
-double unitOf(const nifti_image& nifti) {
+/// The unit of the file; empty: it states none.
+const char* unitOf(const nifti_image& nifti) {
     switch (nifti.xyz_units) {
         case NIFTI_UNITS_METER:
-            return 1000;
+            return "m";
+        case NIFTI_UNITS_MM:
+            return "mm";
         case NIFTI_UNITS_MICRON:
-            return 0.001;
+            return "um";
         default:
-            return 1;
+            return "";
     }
 }
 
@@ -60,10 +62,29 @@ double apart(const ImageGrid& a, const ImageGrid& b) {
     return largest / std::min({s[0], s[1], s[2]});
 }
 
+/// Reads the numbers as they are; niftilib would make those that are not finite 0.
+void readVoxels(const nifti_image& nifti, const std::string& path, Image& image) {
+    const std::string file = nifti.iname ? nifti.iname : path;
+    const std::unique_ptr<gzFile_s, int (*)(gzFile)> voxels(gzopen(file.c_str(), "rb"), gzclose);
+    if (!voxels) throw IoError(file + ": cannot be opened for reading");
+    const std::size_t width = bytesOf(image.type), bytes = image.values() * width;
+    bool whole = gzseek(voxels.get(), static_cast<z_off_t>(nifti.iname_offset), SEEK_SET) >= 0;
+    constexpr std::size_t kGzipPiece = std::size_t{1} << 30;
+    for (std::size_t at = 0; whole && at < bytes; at += kGzipPiece) {
+        const auto piece = static_cast<unsigned>(std::min(kGzipPiece, bytes - at));
+        whole = gzread(voxels.get(), image.bytes.get() + at, piece) == static_cast<int>(piece);
+    }
+    if (!whole)
+        throw InputError(path + ": ends before its last voxel; it is damaged or incomplete");
+    if (width > 1 && nifti.byteorder != nifti_short_order())
+        nifti_swap_Nbytes(static_cast<std::int64_t>(image.values()), static_cast<int>(width),
+                          image.bytes.get());
+}
+
 }  // namespace
 
 Image readNifti(const std::string& path, const ImageReadOptions& options) {
-    checkNiftiHeader(path);
+    std::array<bool, 3> known = checkNiftiHeader(path);
     nifti_set_debug_level(0);
     const Nifti nifti(nifti_image_read(path.c_str(), 0));
     if (!nifti) throw InputError(path + ": is no NIfTI image, or its header is damaged");
@@ -77,8 +98,9 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
         size[static_cast<std::size_t>(d)] = d < nifti->ndim && nifti->dim[d + 1] > 0
                                                 ? static_cast<std::size_t>(nifti->dim[d + 1])
                                                 : 1;
-    const double unit = unitOf(*nifti);
     const Callbacks& callbacks = options.callbacks;
+    const double stated = unitFactor(unitOf(*nifti), path, callbacks);
+    const double unit = stated > 0 ? stated : 1;
     ImageGrid grid;
     if (nifti->sform_code > 0) {
         grid = gridOf(nifti->sto_xyz, unit);
@@ -98,19 +120,20 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
                 path +
                 ": has neither sform nor qform: where it lies and which side is left is unknown");
     }
+    if (nifti->sform_code > 0) known = {true, true, true};
+    const bool spaced = applySpacing(grid, options, known, path);
     checkAxes(grid, path, callbacks);
     const NumberType type = voxelType(lowered(nifti_datatype_string(nifti->datatype)), path);
     Image image = allocatedImage(path, grid, 1, type, sizeOf(nifti->iname ? nifti->iname : path));
-    image.bytes.reset();  // niftilib allocates
     callbacks.stopIfCancelled();
-    if (nifti_image_load(nifti.get()) != 0 || !nifti->data)
-        throw InputError(path + ": ends before its last voxel; it is damaged or incomplete");
-    image.bytes.reset(static_cast<std::byte*>(std::exchange(nifti->data, nullptr)), std::free);
+    readVoxels(*nifti, path, image);
     if (nifti->scl_slope != 0 && std::isfinite(nifti->scl_slope) &&
         std::isfinite(nifti->scl_inter)) {
         image.slope = nifti->scl_slope;
         image.intercept = nifti->scl_inter;
     }
+    image.isSpaced = spaced;
+    image.unit = stated;
     image.format = nifti->nifti_type == NIFTI_FTYPE_ANALYZE ? "Analyze" : "NIfTI";
     return image;
 }

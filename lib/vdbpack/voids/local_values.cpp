@@ -180,8 +180,13 @@ std::function<double(const Vec<Dim>&)> bvtvField(const VoidRecipe& voids,
     if (!field) return {};
     if (namesScalarField(field->file)) return bvtvTable(*field, bounds, sliceHeight);
     const auto [marrow, bone] = *field->range;
-    const auto image =
-        std::make_shared<const ImageSampler>(readGreyImage(field->file, domain, callbacks));
+    Image grey = readGreyImage(field->file, domain, callbacks);
+    if (const std::size_t filled = fillFromNearest(grey); filled > 0)
+        callbacks.warn(
+            fmt::format("`bvtvField` {}: {} of {} voxels are not numbers (nan); they "
+                        "have the value of the nearest number",
+                        field->file, filled, grey.values()));
+    const auto image = std::make_shared<const ImageSampler>(std::move(grey));
     requireCovered(image->image().grid, bounds, sliceHeight, field->file, callbacks);
     return [image, sliceHeight, low = marrow, range = bone - marrow](const Vec<Dim>& x) {
         Vec<3> at{{0, 0, sliceHeight}};
