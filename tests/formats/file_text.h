@@ -62,6 +62,16 @@ std::string bytesOf(std::vector<T> values, bool bigEndian = false) {
     return out;
 }
 
+/// The same, with the warnings of the reader.
+inline Pack<3> readText(const std::string& name, const std::string& content,
+                        std::vector<std::string>& warnings) {
+    const TemporaryFolder scratch;
+    putContent(scratch.file(name), content);
+    PackReadOptions options;
+    options.callbacks = keepingWarnings({}, warnings);
+    return readPack((name == "p.txt" ? "yade:" : "") + scratch.file(name), options);
+}
+
 /// The message of the InputError; empty if there is none.
 inline std::string errorOf(const std::string& name, const std::string& content) {
     return messageOf<InputError>([&] { readText(name, content); });

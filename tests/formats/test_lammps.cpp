@@ -176,7 +176,7 @@ TEST_CASE("densities may go by region") {
     pack.region = {0, 1, 0, 2};
     pack.columns.push_back({"density", {7, 7, 7, 7}, {}});
     const auto read = readText("p.data", written(pack, options));
-    REQUIRE(columnOfNumbers(read, "density")->numbers ==
+    REQUIRE(columnOfNumbers(read, kDensityColumn)->numbers ==
             std::vector<double>{1900, 1100, 1900, kDefaultDensity});
     options.materialDensity = {{0, -1}};
     REQUIRE_THROWS_AS(written(pack, options), ParameterError);
@@ -198,7 +198,7 @@ TEST_CASE("LAMMPS data files give back spheres, ids and regions, with bonds or w
     REQUIRE(read.region == pack.region);
     REQUIRE(read.spheres.size() == pack.spheres.size());
     REQUIRE(read.columns.size() == 1);
-    REQUIRE(read.columns[0].name == "density");
+    REQUIRE(read.columns[0].name == kDensityColumn);
     for (std::size_t i = 0; i < read.spheres.size(); ++i) {
         if (unit == Unit::millimeter) {
             REQUIRE(read.spheres[i] == pack.spheres[i]);
@@ -245,4 +245,32 @@ TEST_CASE("types and densities of a data file are written again, negative region
     auto negative = touchingRow();
     negative.region[2] = -1;
     REQUIRE_THROWS_AS(written(negative), ParameterError);
+}
+
+TEST_CASE("densities whose unit is known are kg/m3 and go with the unit that is written") {
+    const std::string atoms = "\n\n1 atoms\n1 atom types\n\nAtoms\n\n1 1 1 2500 0 0 0\n";
+    PackWriteOptions meters;
+    meters.unit = Unit::meter;
+    const auto [units, density, written] = GENERATE(table<std::string, double, std::string>(
+        {{"units = si", 2500, " 2500.0 "},
+         {"units = cgs", 2.5e6, " 2500000.0 "},
+         {"units = micro", 2.5e6, " 2500000.0 "},
+         {"; density in t/mm3; unit of length: mm", 2.5e15, " 2500000000000000.0 "}}));
+    CAPTURE(units);
+    const auto pack = readText("p.data", "x, " + units + atoms);
+    CHECK(columnOfNumbers(pack, kDensityColumn)->numbers == std::vector<double>{density});
+    CHECK_THAT(writtenText(pack, "p.data", meters), Contains(written) && Contains("in kg/m3"));
+}
+
+TEST_CASE("added spheres leave types and densities of a file as they are") {
+    auto pack = touchingRow();
+    pack.region = {0, 0, 1, 1};
+    pack.columns = {{"type", {2, 1, 0, 0}, {}}, {kDensityColumn, {7800, 1900, 0, 0}, {}}};
+    PackWriteOptions options;
+    options.unit = Unit::meter;
+    const auto read = readText("p.data", written(pack, options));
+    // The largest type is 2; the new spheres are of material 1.
+    CHECK(columnOfNumbers(read, "type")->numbers == std::vector<double>{2, 1, 4, 4});
+    CHECK(columnOfNumbers(read, kDensityColumn)->numbers ==
+          std::vector<double>{7800, 1900, kDefaultDensity, kDefaultDensity});
 }

@@ -1,5 +1,6 @@
 // Periodic cells in files.
 #include "formats/file_text.h"
+#include "formats/lammps_text.h"
 #include "support/test.h"
 
 #include "vdbpack/formats/pack_text.h"
@@ -54,4 +55,49 @@ TEST_CASE("texts of cells are checked") {
                    Contains("f: ") && Contains("cell"));
     CHECK(cellIn("y 0 -1 0 1 1 1", Unit::meter, "f").length(1) == 2000);
     CHECK(cellText(PeriodicCell<3>{}).empty());
+}
+
+TEST_CASE("periodic boxes of other programs become the cell, or are warned of") {
+    const std::vector<std::string> rows = {"1 1 0.5 5 5 1", "2 1 9.5 5 5 1"};
+    const auto dump = [&](const std::string& bounds) {
+        return frame("id type x y z radius", rows, bounds);
+    };
+    const auto xyz = [](const std::string& keys) {
+        return "2\n" + keys + " Properties=pos:R:3:radius:R:1\n0.5 5 5 1\n9.5 5 5 1\n";
+    };
+    const std::string flat = "\n0 10\n0 10\n0 10", tilted = "\n0 10 1\n0 10 0\n0 10 0",
+                      cube = "Lattice=\"10 0 0 0 10 0 0 0 10\"",
+                      atoms = "Atoms\n\n1 1 2 1 0.5 5 5\n2 1 2 1 9.5 5 5\n",
+                      head =
+                          "x\n\n2 atoms\n1 atom types\n0 10 xlo xhi\n0 10 ylo yhi\n0 10 zlo zhi\n";
+    struct Case {
+        std::string file, text, axes, warning;
+    };
+    const auto c = GENERATE_COPY(from_range(std::vector<Case>{
+        {"p.dump", dump("pp pp pp" + flat), "xyz", ""},
+        {"p.dump", dump("pp ff pp" + flat), "xz", ""},
+        {"p.dump", dump("ff ff ff" + flat), "", ""},
+        {"p.dump", dump(flat.substr(0)), "", "2 spheres protrude"},
+        {"p.dump", dump("xy xz yz pp pp pp" + tilted), "", "triclinic"},
+        {"p.dump", dump("xy xz yz ff ff ff" + tilted), "", ""},
+        {"p.data", head + "\n" + atoms, "", "2 spheres protrude"},
+        {"p.data", head + "1 0 0 xy xz yz\n\n" + atoms, "", "triclinic"},
+        {"p.xyz", xyz(cube + " pbc=\"T T T\""), "xyz", ""},
+        {"p.xyz", xyz(cube + " pbc=\"true false 1\""), "xz", ""},
+        {"p.xyz", xyz(cube), "", "protrude"},
+        {"p.xyz", xyz("Lattice=\"10 0 0 1 10 0 0 0 10\" pbc=\"T T T\""), "", "triclinic"},
+        {"p.xyz", xyz("Lattice=\"0 0 0 0 10 0 0 0 10\" pbc=\"T T T\""), "", "empty"},
+        {"p.txt", "##PERIODIC:: 10 10 10\n0.5 5 5 1\n9.5 5 5 1\n", "xyz", ""}}));
+    CAPTURE(c.file, c.text);
+    std::vector<std::string> warnings;
+    const Pack<3> pack = readText(c.file, c.text, warnings);
+    std::string axes;
+    for (int d = 0; d < 3; ++d)
+        if (pack.cell.isAlong(d)) axes += "xyz"[d];
+    CHECK(axes == c.axes);
+    REQUIRE(warnings.size() == (c.warning.empty() ? 0u : 1u));
+    if (!warnings.empty()) CHECK_THAT(warnings[0], Contains(c.warning));
+    for (int d = 0; d < 3 && pack.cell.any(); ++d) CHECK(pack.cell.length(d) == 10);
+    // Across the face they are 1 mm apart.
+    CHECK(smallestGap(pack.spheres, 0, pack.cell) == Approx(pack.cell.isAlong(0) ? -1 : 7));
 }

@@ -125,9 +125,9 @@ TEST_CASE("grey values become densities, moduli and classes of material") {
 
     const Pack<3> atoms = readPack(folder.file("p.data"));
     const Pack<3> yade = readPack("yade:" + folder.file("p.txt"));
-    const auto &types = numbersOf(atoms, "type"), &written = numbersOf(atoms, "density");
+    const auto &types = numbersOf(atoms, "type"), &written = numbersOf(atoms, kDensityColumn);
     for (std::size_t i = 0; i < density.size(); ++i) {
-        CHECK(written[i] == Approx(1e-12 * density[i]));
+        CHECK(written[i] == Approx(density[i]));
         CHECK(types[i] == kind[i] + 1);
         CHECK(yade.region[i] == kind[i]);
     }
@@ -162,10 +162,10 @@ TEST_CASE("a part with a density of its own keeps it") {
     const RunResult run = runPack(recipe);
     const auto& pack = std::get<Pack<3>>(run.pack);
     const auto &density = numbersOf(pack, kDensityColumn), &parts = numbersOf(pack, kPartColumn);
-    const auto written = numbersOf(readPack(folder.file("p.data")), "density");
+    const auto written = numbersOf(readPack(folder.file("p.data")), kDensityColumn);
     for (std::size_t i = 0; i < density.size(); ++i) {
         CHECK((parts[i] == 1) == (density[i] == 4430));
-        CHECK(written[i] == Approx(1e-12 * density[i]));
+        CHECK(written[i] == Approx(density[i]));
     }
 }
 
@@ -191,7 +191,7 @@ TEST_CASE("an interrupt or a damaged image costs columns, not the pack") {
     CHECK(readPack(folder.file("p.csv")).spheres.size() > 100);
 }
 
-TEST_CASE("densities of a pack end where others are requested or spheres are added") {
+TEST_CASE("densities of a pack end where others are requested, classes where spheres are added") {
     const TemporaryFolder folder;
     const std::string grey = folder.file("grey.nrrd"), file = folder.file("p.csv");
     writeSlope(grey);
@@ -206,7 +206,7 @@ TEST_CASE("densities of a pack end where others are requested or spheres are add
         0);
     const Pack<3> atoms = readPack(folder.file("p.data"));
     for (std::size_t i = 0; i < pack.spheres.size(); ++i)
-        CHECK(numbersOf(atoms, "density")[i] == Approx(pack.region[i] == 0 ? 1.9e-9 : 1.1e-9));
+        CHECK(numbersOf(atoms, kDensityColumn)[i] == Approx(pack.region[i] == 0 ? 1900 : 1100));
 
     auto densify = onPack<DensifyRecipe>(file, "ball:8");
     densify.densify.fraction = 0.6;
@@ -214,8 +214,11 @@ TEST_CASE("densities of a pack end where others are requested or spheres are add
     const auto& more = std::get<Pack<3>>(dense.pack);
     REQUIRE(more.spheres.size() > pack.spheres.size());
     CHECK(columnOfNumbers(more, "hu"));
-    for (const char* name : {kDensityColumn, kClassColumn})
-        CHECK_FALSE(columnOfNumbers(more, name));
+    CHECK_FALSE(columnOfNumbers(more, kClassColumn));
+    // Spheres that are added have no density, and weigh as by default.
+    CHECK(numbersOf(more, kDensityColumn).front() ==
+          Approx(numbersOf(pack, kDensityColumn).front()));
+    CHECK(numbersOf(more, kDensityColumn).back() == 0);
 }
 
 TEST_CASE("samples and calibrations that say too little or too much are refused") {

@@ -17,6 +17,8 @@ inline constexpr const char* kCellKey = "periodic_cell";
 inline constexpr const char* kLammpsIdShift = "atom = id + 1";
 inline constexpr const char* kLammpsTypeIs = "type = ";        // a formula of `Materials`, "+ 1"
 inline constexpr const char* kLammpsBoundary = "; boundary ";  // p or f of each axis follow
+inline constexpr const char* kLammpsDensity = "; density ";    // its unit follows, or
+inline constexpr const char* kLammpsGiven = "as it was given";
 inline constexpr const char* kLammpsBonded = "hybrid sphere bond";
 
 /// Before the lengths of a cell that is periodic along all axes, as YADE's SpherePack writes them.

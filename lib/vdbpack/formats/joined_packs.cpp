@@ -45,13 +45,12 @@ void requireRoomToNumber(const Pack<Dim>& pack, const std::string& file) {
 
 namespace {
 
-/// Removes what is known of some spheres alone once others are added: their densities.
-void dropDensities(PackAttributes& pack) {
+/// Removes columns in which the 0 of added spheres would mean something: classes and moduli.
+void dropClasses(PackAttributes& pack) {
     auto& columns = pack.columns;
     columns.erase(std::remove_if(columns.begin(), columns.end(),
                                  [](const Column& c) {
-                                     return c.name == kDensityColumn || c.name == kClassColumn ||
-                                            c.name == kModulusColumn;
+                                     return c.name == kClassColumn || c.name == kModulusColumn;
                                  }),
                   columns.end());
 }
@@ -60,7 +59,7 @@ void dropDensities(PackAttributes& pack) {
 
 template <int Dim>
 Pack<Dim> appended(Pack<Dim> base, const std::vector<Sphere<Dim>>& added) {
-    if (!added.empty()) dropDensities(base);
+    if (!added.empty()) dropClasses(base);
     const std::size_t before = base.spheres.size(), more = added.size();
     const std::size_t all = before + more;
     base.depth.clear();

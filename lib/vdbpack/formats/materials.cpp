@@ -95,10 +95,11 @@ SphereDensities::SphereDensities(const PackAttributes& pack, double all,
       all_(all > 0 ? all : kDefaultDensity),
       ofMaterials_(std::move(ofMaterials)) {
     if (all > 0 || !ofMaterials_.empty()) return;
-    const auto usable = [](double v) { return v > 0 && std::isfinite(v); };
+    const auto usable = [](double v) { return v >= 0 && std::isfinite(v); };
     const auto usableColumn = [&](const char* name) {
         const Column* column = columnOfNumbers(pack, name);
-        return column && std::all_of(column->numbers.begin(), column->numbers.end(), usable)
+        return column && std::all_of(column->numbers.begin(), column->numbers.end(), usable) &&
+                       largest(column->numbers) > 0
                    ? column
                    : nullptr;
     };
@@ -107,7 +108,7 @@ SphereDensities::SphereDensities(const PackAttributes& pack, double all,
 }
 
 double SphereDensities::of(std::size_t i) const {
-    if (column_) return column_->numbers[i];
+    if (column_ && column_->numbers[i] > 0) return column_->numbers[i];
     return requested(materials_.withoutClass(i));
 }
 

@@ -75,7 +75,8 @@ private:
 };
 
 /// Densities of the spheres of a pack, kg/m³: by material, else one for all, else of the
-/// column `kDensityColumn`, else `kDefaultDensity`.
+/// column `kDensityColumn` (0 for spheres that were added to those of a file), else
+/// `kDefaultDensity`.
 class SphereDensities {
 public:
     /// @param all          0: none is requested.

@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/pack.h"
+#include "vdbpack/core/progress.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/measure/contacts.h"
 
@@ -71,13 +72,14 @@ struct PackWriteOptions {
 /// but .csv, which has no metadata. 2D: z = `sliceHeight`.
 ///
 /// .data is for LAMMPS's atom style sphere and LIGGGHTS's granular: `id type diameter density x y
-/// z` in a box around whole spheres. type is 1 + the material (`Materials`), or the pack's column
-/// `type`, or 1. If the smallest id is 0, ids are one more in the file; if some are negative, equal
-/// or beyond 2^31 - 1, atoms are numbered from 1. Densities go with the unit of length: kg/m³
-/// (LAMMPS's units si), g/cm³ (cgs), pg/µm³ (micro), and t/mm³ for mm, which with seconds gives
-/// forces in N and pressures in MPa. The title records all that, and `readPack` undoes it.
-/// lammps-bonds adds a bond of type 1 for each touching pair; it is for atom style hybrid sphere
-/// bond: `id type x y z diameter density molecule`.
+/// z` in a box around whole spheres. type is the pack's column `type`, or else 1 + the material
+/// (`Materials`), or 1; spheres with type 0, which were added to those of a file, have the types
+/// after its largest one. If the smallest id is 0, ids are one more in the file; if some are
+/// negative, equal or beyond 2^31 - 1, atoms are numbered from 1. Densities go with the unit of
+/// length: kg/m³ (LAMMPS's units si), g/cm³ (cgs), pg/µm³ (micro), and t/mm³ for mm, which with
+/// seconds gives forces in N and pressures in MPa. The title records all that, and `readPack`
+/// undoes it. lammps-bonds adds a bond of type 1 for each touching pair; it is for atom style
+/// hybrid sphere bond: `id type x y z diameter density molecule`.
 ///
 /// @throws ParameterError (unknown format; spheres as .svg; attributes of the wrong length; a
 /// sphere that is not finite or has no positive radius; an empty frame), IoError
@@ -112,6 +114,7 @@ struct PackReadOptions {
     std::string gridName;
     /// Bytes that the process may hold while it reads; 0: what it holds and what is free.
     double memoryLimit = 0;
+    Callbacks callbacks{};  ///< warnings, where a file states what a pack cannot hold
 };
 
 /// Reads a pack of any program, in mm: x, y, z and radius (or r, pscale, diameter) by name, in any
@@ -133,7 +136,10 @@ struct PackReadOptions {
 /// - .dump, .lammpstrj, dump: their text dumps with a column radius or diameter; of several frames
 ///   the last one. x y z are taken, or else xs ys zs, xu yu zu or xsu ysu zsu.
 ///
-/// LAMMPS files that name their units (si, cgs or micro) record their own unit.
+/// LAMMPS files that name their units (si, cgs or micro) record their own unit; their densities
+/// then are the column `density_kg_m3`. Periodic boxes become the pack's cell (LAMMPS, .xyz, YADE);
+/// `callbacks` are warned of those that cannot: triclinic ones, and boxes without flags that
+/// spheres leave.
 ///
 /// Ids 0, 1, 2, ... come back as an empty `id`. Time and memory are
 /// proportional to the size of the file; of deflated arrays (.vtp, .npz), to the sizes that it

@@ -1,6 +1,7 @@
 #include "vdbpack/formats/pack_text.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/io/delimited_text.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
@@ -90,6 +91,43 @@ PeriodicCell<3> cellIn(std::string_view text, Unit unit, const std::string& wher
     return cell;
 }
 
+void takeCell(Pack<3>& pack, const StatedBox& stated, const std::string& file,
+              const Callbacks& callbacks) {
+    PeriodicCell<3> cell = stated.cell;
+    bool isBox = !stated.isTilted;
+    std::size_t protruding = 0;
+    Box<3> around;
+    for (const Sphere<3>& s : pack.spheres) {
+        bool inside = true;
+        for (int d = 0; d < 3; ++d)
+            inside = inside && s.center[d] - 0.9 * s.radius >= cell.box.lo[d] &&
+                     s.center[d] + 0.9 * s.radius <= cell.box.hi[d];
+        protruding += inside ? 0 : 1;
+        around.add(s.center - Box<3>::filled(s.radius));
+        around.add(s.center + Box<3>::filled(s.radius));
+    }
+    for (int d = 0; d < 3; ++d) {
+        const double length = cell.length(d);
+        if (cell.isAlong(d)) isBox = isBox && length > 0 && std::isfinite(length);
+        if (cell.isAlong(d) || pack.spheres.empty()) continue;
+        cell.box.lo[d] = std::min(cell.box.lo[d], around.lo[d]);
+        cell.box.hi[d] = std::max(cell.box.hi[d], around.hi[d]);
+    }
+    if (!stated.hasFlags && (stated.isTilted || protruding > 0))
+        callbacks.warn(fmt::format(
+            "{}: {} spheres protrude from its {}box, and the file does not state which faces are "
+            "periodic: overlap and contacts across faces are not counted. Name a periodic box as "
+            "`domain` with `periodic`",
+            file, protruding, stated.isTilted ? "tilted (triclinic) " : ""));
+    else if (cell.any() && !isBox)
+        callbacks.warn(fmt::format(
+            "{}: its periodic box is {}; a periodic cell has edges along x, y and z. The pack has "
+            "none: overlap and contacts across its faces are not counted",
+            file, stated.isTilted ? "tilted (triclinic)" : "empty or without end"));
+    else if (stated.hasFlags && cell.any())
+        pack.cell = cell;
+}
+
 std::string UniqueNames::operator()(const std::string& name) {
     std::string candidate = name;
     for (int n = 2; !taken_.insert(lowered(candidate)).second; ++n)
@@ -107,10 +145,29 @@ std::string identifierOf(std::string_view name) {
     return identifier;
 }
 
-void takeLammpsUnits(std::string_view style, Unit& unit) {
+bool takeLammpsUnits(std::string_view style, Unit& unit) {
     if (style == "si") unit = Unit::meter;
     if (style == "cgs") unit = Unit::centimeter;
     if (style == "micro") unit = Unit::micrometer;
+    return style == "si" || style == "cgs" || style == "micro";
+}
+
+DensityUnit densityUnit(Unit unit) {
+    constexpr DensityUnit kUnits[] = {
+        {1, "kg/m3"},     // m: units si
+        {1e3, "g/cm3"},   // cm: units cgs
+        {1e12, "t/mm3"},  // mm: with s, forces in N and pressures in MPa
+        {1e3, "pg/um3"},  // um: units micro
+    };
+    return kUnits[static_cast<std::size_t>(unit)];
+}
+
+void convertDensity(Pack<3>& pack, Unit unit) {
+    for (Column& column : pack.columns) {
+        if (column.name != "density" || columnOfNumbers(pack, kDensityColumn)) continue;
+        column.name = kDensityColumn;
+        for (double& density : column.numbers) density *= densityUnit(unit).size;
+    }
 }
 
 }  // namespace vdbpack

@@ -1,7 +1,8 @@
 // Private: texts in pack files: units and what XML needs.
 #pragma once
 
-#include "vdbpack/core/periodic_cell.h"
+#include "vdbpack/core/pack.h"
+#include "vdbpack/core/progress.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/io/input_file.h"
@@ -29,6 +30,16 @@ std::string cellText(const PeriodicCell<3>& cell);
 /// The cell in such a text. @param unit  of the text. @throws InputError if it holds none.
 PeriodicCell<3> cellIn(std::string_view text, Unit unit, const std::string& where);
 
+/// The box of particles that a file of a simulation states.
+struct StatedBox {
+    PeriodicCell<3> cell;   ///< mm
+    bool hasFlags = false;  ///< the file says which faces are periodic
+    bool isTilted = false;
+};
+/// Gives the pack that cell, whose walls are moved out to whole spheres; warns where it cannot.
+void takeCell(Pack<3>& pack, const StatedBox& box, const std::string& file,
+              const Callbacks& callbacks);
+
 /// Makes names different from each other and from names that are taken, by a number at the end.
 class UniqueNames {
 public:
@@ -44,6 +55,17 @@ std::string identifierOf(std::string_view name);
 
 /// The unit of length of LAMMPS's `units` si, cgs or micro; `unit` is untouched for the others,
 /// whose lengths (angstrom, reduced) are none of ours.
-void takeLammpsUnits(std::string_view style, Unit& unit);
+/// @return whether it is one of these.
+bool takeLammpsUnits(std::string_view style, Unit& unit);
+
+/// The unit of density that goes with a unit of length in files of LAMMPS: how many kg/m³ make one,
+/// a whole number, so that the best double results as for lengths; and its name.
+struct DensityUnit {
+    double size;
+    const char* name;
+};
+DensityUnit densityUnit(Unit unit);
+/// Makes the column `density` of a file in that unit one of kg/m³ under `kDensityColumn`.
+void convertDensity(Pack<3>& pack, Unit unit);
 
 }  // namespace vdbpack

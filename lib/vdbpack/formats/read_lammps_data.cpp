@@ -34,7 +34,10 @@ bool isNumber(std::string_view word) {
 class DataFile {
 public:
     DataFile(const std::string& path, const PackReadOptions& options)
-        : file_(path), unit_(options.unit) {}
+        : file_(path),
+          unit_(options.unit),
+          callbacks_(options.callbacks),
+          knowsDensity_(options.unit != Unit::millimeter) {}
 
     Pack<3> read() {
         readTitle();
@@ -47,7 +50,8 @@ public:
             if (words_.size() != 1 || words_.front() != "Atoms") continue;
             if (counts_.count("atoms") == 0) failHeader();
             Pack<3> pack = readAtoms(line);
-            pack.cell = cell_;
+            if (box_.isTilted || hasBox_) takeCell(pack, box_, file_.path(), callbacks_);
+            if (knowsDensity_) convertDensity(pack, unit_);
             return pack;
         }
         const auto atoms = counts_.find("atoms");
@@ -81,11 +85,12 @@ private:
         constexpr std::string_view kUnits = "units = ";
         const auto at = line.find(kUnits);
         if (at != std::string_view::npos)
-            takeLammpsUnits(trimmed(line.substr(at + kUnits.size())), unit_);
+            knowsDensity_ = takeLammpsUnits(trimmed(line.substr(at + kUnits.size())), unit_);
         unit_ = unitIn(line, unit_, file_);
         const auto says = [&](const char* words) {
             return line.find(words) != std::string_view::npos;
         };
+        if (says(kLammpsDensity)) knowsDensity_ = !says(kLammpsGiven);
         shifted_ = says(kLammpsIdShift);
         if (const auto boundary = line.find(kLammpsBoundary); boundary != std::string_view::npos)
             boundary_ = line.substr(boundary + std::string_view(kLammpsBoundary).size(), 5);
@@ -95,15 +100,21 @@ private:
     }
 
     void takeHeaderLine() {
-        for (std::size_t d = 0; words_.size() == 4 && boundary_.size() == 5 && d < 3; ++d) {
+        double tilt = 0;  // "0.5 0 0 xy xz yz", or edges in any direction: "1 0 0 avec"
+        for (std::size_t k = 0; words_.size() == 6 && words_[5] == "yz" && k < 3; ++k)
+            box_.isTilted |= parseNumber(words_[k], tilt) && tilt != 0;
+        box_.isTilted |= words_.size() == 4 && words_.back() == "avec";
+        for (std::size_t d = 0; words_.size() == 4 && d < 3; ++d) {
             double lo = 0, hi = 0;
             const char lowWord[] = {"xyz"[d], 'l', 'o', 0};
             if (words_[2] != lowWord || !parseNumber(words_[0], lo) || !parseNumber(words_[1], hi))
                 continue;
             const auto axis = static_cast<int>(d);
-            cell_.box.lo[axis] = toMillimeters(lo, unit_);
-            cell_.box.hi[axis] = toMillimeters(hi, unit_);
-            cell_.wraps[d] = boundary_[2 * d] == 'p' && cell_.length(axis) > 0;
+            hasBox_ = true;
+            box_.cell.box.lo[axis] = toMillimeters(lo, unit_);
+            box_.cell.box.hi[axis] = toMillimeters(hi, unit_);
+            box_.hasFlags = boundary_.size() == 5;
+            box_.cell.wraps[d] = box_.hasFlags && boundary_[2 * d] == 'p';
         }
         const std::string what =
             fmt::format("{}", fmt::join(words_.begin() + 1, words_.end(), " "));
@@ -206,9 +217,12 @@ private:
 
     InputFile file_;
     Unit unit_;
+    Callbacks callbacks_;
+    bool knowsDensity_;  ///< the unit of densities is the one that goes with `unit_`
     bool shifted_ = false, bonded_ = false;  ///< according to the title
     std::string boundary_;                   ///< "p p f" according to the title, or empty
-    PeriodicCell<3> cell_;                   ///< of the header, mm
+    StatedBox box_;                          ///< of the header
+    bool hasBox_ = false;
     std::string material_;  ///< what types are one more than, according to the title; or empty
     std::map<std::string, std::uint64_t, std::less<>> counts_;  ///< of the header
     Cells words_;

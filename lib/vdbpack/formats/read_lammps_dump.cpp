@@ -29,6 +29,7 @@ struct Frame {
     std::uint64_t atoms = 0;
     std::vector<std::string> names;
     std::array<std::vector<double>, 3> bounds;  ///< numbers of the lines of BOX BOUNDS
+    std::vector<std::string> boundary;          ///< of each axis ("pp"), or empty
     std::uint64_t offset = 0;                   ///< of the first atom
     std::uint64_t line = 0;                     ///< before it
 };
@@ -53,7 +54,10 @@ constexpr PositionColumns kPositions[] = {{{"x", "y", "z"}, false},
 class DumpFile {
 public:
     DumpFile(const std::string& path, const PackReadOptions& options)
-        : file_(path), unit_(options.unit) {}
+        : file_(path),
+          unit_(options.unit),
+          callbacks_(options.callbacks),
+          knowsUnits_(options.unit != Unit::millimeter) {}
 
     Pack<3> read() {
         const Frame frame = lastFrame();
@@ -83,7 +87,10 @@ public:
         }
         table.nextRow = [&](Cells& cells) { return nextWords(file_, table.names, cells); };
         file_.seek(frame.offset, frame.line);
-        return readTable(file_, table);
+        Pack<3> pack = readTable(file_, table);
+        if (!frame.bounds[0].empty()) takeCell(pack, statedBox(frame), file_.path(), callbacks_);
+        if (knowsUnits_) convertDensity(pack, unit_);
+        return pack;
     }
 
 private:
@@ -110,11 +117,11 @@ private:
             if (startsWith(item, "NUMBER OF ATOMS")) {
                 readCount();
             } else if (startsWith(item, "BOX BOUNDS")) {
-                readBounds();
+                readBounds(item);
             } else if (startsWith(item, "UNITS")) {
                 std::string_view line;
                 if (!file_.nextLine(line)) failBegun("the units are missing");
-                takeLammpsUnits(trimmed(line), unit_);
+                knowsUnits_ = takeLammpsUnits(trimmed(line), unit_) || knowsUnits_;
             } else if (startsWith(item, "ATOMS")) {
                 passAtoms(item.substr(std::string_view("ATOMS").size()));
                 last = frame_;
@@ -164,9 +171,14 @@ private:
         counted_ = true;
     }
 
-    void readBounds() {
+    /// @param item  BOX BOUNDS, names of tilts ("xy xz yz") and the boundaries ("pp pp ff").
+    void readBounds(std::string_view item) {
         std::string_view line;
         Cells words;
+        splitAtBlanks(item, words);
+        for (const std::string_view word : words)
+            if (word.size() == 2 && word.find_first_not_of("pfsm") == std::string_view::npos)
+                frame_.boundary.emplace_back(word);
         for (auto& bounds : frame_.bounds) {
             if (!file_.nextLine(line)) failBegun("bounds of the box are missing");
             splitAtBlanks(line, words);
@@ -248,8 +260,26 @@ private:
         return box;
     }
 
+    StatedBox statedBox(const Frame& frame) const {
+        StatedBox stated;
+        stated.hasFlags = frame.boundary.size() == 3;
+        for (std::size_t d = 0; d < 3; ++d) {
+            const std::vector<double>& bounds = frame.bounds[d];
+            const auto axis = static_cast<int>(d);
+            for (std::size_t k = 2; k < bounds.size(); ++k)
+                stated.isTilted = stated.isTilted || bounds.size() > 3 || bounds[k] != 0;
+            if (bounds.size() < 2) return {};
+            stated.cell.box.lo[axis] = toMillimeters(bounds[0], unit_);
+            stated.cell.box.hi[axis] = toMillimeters(bounds[1], unit_);
+            stated.cell.wraps[d] = stated.hasFlags && frame.boundary[d] == "pp";
+        }
+        return stated;
+    }
+
     InputFile file_;
     Unit unit_;
+    Callbacks callbacks_;
+    bool knowsUnits_;              ///< of `unit_`, and of densities
     Frame frame_;                  ///< that is being read
     std::uint64_t frameLine_ = 0;  ///< where it begins
     bool begun_ = false;           ///< its header has begun

@@ -77,27 +77,35 @@ std::vector<std::string> columnsOf(std::string_view properties, const InputFile&
     return names;
 }
 
-/// The cell by `pbc`, `Lattice` and `Origin`. A lattice that is no box has none of ours.
-PeriodicCell<3> cellOf(std::string_view description, Unit unit) {
+/// The box by `pbc`, `Lattice` and `Origin`; nothing without a lattice.
+std::optional<StatedBox> boxOf(std::string_view description, Unit unit, const InputFile& file) {
     Cells wraps, lattice, origin;
     splitAtBlanks(valueOf(description, "pbc"), wraps);
     splitAtBlanks(valueOf(description, "lattice"), lattice);
     splitAtBlanks(valueOf(description, "origin"), origin);
-    PeriodicCell<3> cell;
-    if (wraps.size() != 3 || lattice.size() != 9) return cell;
-    for (std::size_t k = 0; k < 9; ++k) {
+    if (lattice.empty()) return std::nullopt;
+    StatedBox stated;
+    stated.hasFlags = wraps.size() == 3;
+    bool sound = lattice.size() == 9;
+    for (std::size_t k = 0; sound && k < 9; ++k) {
         const std::size_t d = k / 4;
         double v = 0, lo = 0;
-        if (!parseNumber(lattice[k], v) || !std::isfinite(v)) return {};
-        if (k % 4 != 0 && v != 0) return {};
+        sound = parseNumber(lattice[k], v);
+        stated.isTilted = stated.isTilted || (k % 4 != 0 && v != 0);
         if (k % 4 != 0) continue;
-        if (origin.size() == 3 && !parseNumber(origin[d], lo)) return {};
+        if (origin.size() == 3) sound = sound && parseNumber(origin[d], lo);
         const auto axis = static_cast<int>(d);
-        cell.box.lo[axis] = toMillimeters(lo, unit);
-        cell.box.hi[axis] = toMillimeters(lo + v, unit);
-        cell.wraps[d] = v > 0 && (wraps[d] == "T" || wraps[d] == "True" || wraps[d] == "1");
+        stated.cell.box.lo[axis] = toMillimeters(lo, unit);
+        stated.cell.box.hi[axis] = toMillimeters(lo + v, unit);
+        if (!stated.hasFlags) continue;
+        const std::string wrap = lowered(std::string(wraps[d]));
+        stated.cell.wraps[d] = wrap == "t" || wrap == "true" || wrap == "1";
     }
-    return cell;
+    if (!sound)
+        file.failAtLine(
+            fmt::format("Lattice {} is not nine numbers, or Origin not three; correct it",
+                        quotedExcerpt(valueOf(description, "lattice"))));
+    return stated;
 }
 
 /// Whether a column says of every sphere that it has no species.
@@ -108,20 +116,20 @@ bool saysNothing(const Column& column) {
 }
 
 /// @param count  of particles, which the line before announces.
-Pack<3> readFrame(InputFile& file, std::uint64_t count, Unit unit) {
+Pack<3> readFrame(InputFile& file, std::uint64_t count, const PackReadOptions& options) {
     std::string_view line;
     if (!file.nextLine(line))
         file.fail("ends before the line that describes the columns; the file is cut short");
     TextTable table;
     table.names = columnsOf(valueOf(line, "properties"), file);
-    table.unit = unit;
+    table.unit = options.unit;
     table.rows = count;
     if (const auto name = valueOf(line, kUnitKey); !name.empty())
-        table.unit = unitIn(kUnitComment + std::string(name), unit, file);
+        table.unit = unitIn(kUnitComment + std::string(name), table.unit, file);
     table.nextRow = [&](Cells& cells) { return nextWords(file, table.names, cells); };
-    const PeriodicCell<3> cell = cellOf(line, table.unit);
+    const auto box = boxOf(line, table.unit, file);
     Pack<3> pack = readTable(file, table);
-    pack.cell = cell;
+    if (box) takeCell(pack, *box, file.path(), options.callbacks);
     auto& columns = pack.columns;
     columns.erase(std::remove_if(columns.begin(), columns.end(), saysNothing), columns.end());
     return pack;
@@ -140,7 +148,7 @@ Pack<3> readXyz(const std::string& path, const PackReadOptions& options) {
             file.failAtLine(
                 fmt::format("'{:.40}' is not a number of particles; an .xyz file begins with one",
                             trimmed(line)));
-        pack = readFrame(file, static_cast<std::uint64_t>(count), options.unit);
+        pack = readFrame(file, static_cast<std::uint64_t>(count), options);
     }
     if (!pack) file.fail("is empty; an .xyz file is needed");
     return *std::move(pack);

@@ -62,7 +62,7 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
     table.names = {"x", "y", "z", "r"};
     bool attributes = false;  // there may be any number of further columns
     std::string comment;      // the last one above the spheres
-    std::string cell;
+    std::string cell, periods;
     const std::string kCellNote = std::string(kCellKey) + ": ";
     std::string_view line;
 
@@ -82,6 +82,8 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
                                 "_clumpId or _attrs follow");
         } else if (line.find(kCellNote) != std::string_view::npos) {
             cell = line.substr(line.find(kCellNote) + kCellNote.size());
+        } else if (startsWith(line, kYadeCell)) {
+            periods = line.substr(kYadeCell.size());
         } else {
             table.unit = unitIn(line, table.unit, file);
             comment = line.substr(1);
@@ -102,6 +104,8 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
         return true;
     };
     Pack<3> pack = readTable(file, table);
+    // The periods have no corner: positions are those of any image.
+    if (cell.empty() && !periods.empty()) cell = "xyz 0 0 0 " + periods;
     if (!cell.empty()) pack.cell = cellIn(cell, table.unit, path);
     return pack;
 }

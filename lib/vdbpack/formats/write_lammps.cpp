@@ -4,6 +4,7 @@
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/pack_text_rows.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/row_writer.h"
@@ -67,49 +68,39 @@ private:
     bool counted_ = false;
 };
 
-/// Types from 1 on: material + 1, or the pack's column `type`.
+/// Types from 1 on: the pack's column `type`, or else material + 1. Spheres that were added to
+/// those of a file have 0 in that column: their types follow after its largest one.
 class AtomTypes {
 public:
     explicit AtomTypes(const PackView& pack)
-        : materials_(pack.attributes()),
-          column_(materials_.any() ? nullptr : columnOfNumbers(pack.attributes(), "type")) {
+        : materials_(pack.attributes()), column_(columnOfNumbers(pack.attributes(), "type")) {
         if (column_ && !std::all_of(column_->numbers.begin(), column_->numbers.end(), [](double v) {
-                return v >= 1 && v <= static_cast<double>(kLargestAtom) && std::trunc(v) == v;
+                return v >= 0 && v <= static_cast<double>(kLargestAtom) && std::trunc(v) == v;
             }))
             column_ = nullptr;
+        if (column_)
+            largest_ = static_cast<std::int64_t>(
+                *std::max_element(column_->numbers.begin(), column_->numbers.end()));
         for (std::size_t i = 0; i < pack.size(); ++i) count_ = std::max(count_, (*this)(i));
     }
     std::int64_t operator()(std::size_t i) const {
-        if (materials_.any()) return std::int64_t{materials_.of(i)} + 1;
-        return column_ ? static_cast<std::int64_t>(column_->numbers[i]) : 1;
+        if (column_ && column_->numbers[i] > 0)
+            return static_cast<std::int64_t>(column_->numbers[i]);
+        return largest_ + 1 + (materials_.any() ? std::int64_t{materials_.of(i)} : 0);
     }
     std::int64_t count() const { return count_; }
     /// Empty: nothing that the pack knows.
     std::string meaning() const {
-        return materials_.any() ? kLammpsTypeIs + materials_.formula() + " + 1" : "";
+        return materials_.any() && largest_ == 0 ? kLammpsTypeIs + materials_.formula() + " + 1"
+                                                 : "";
     }
 
 private:
     Materials materials_;
     const Column* column_;
+    std::int64_t largest_ = 0;  // of that column
     std::int64_t count_ = 1;
 };
-
-/// The unit of density that goes with a unit of length: how many kg/m³ make one, a whole number, so
-/// that the best double results as for lengths; and its name.
-struct DensityUnit {
-    double size;
-    const char* name;
-};
-DensityUnit densityUnit(Unit unit) {
-    constexpr DensityUnit kUnits[] = {
-        {1, "kg/m3"},     // m: units si
-        {1e3, "g/cm3"},   // cm: units cgs
-        {1e12, "t/mm3"},  // mm: with s, forces in N and pressures in MPa
-        {1e3, "pg/um3"},  // um: units micro
-    };
-    return kUnits[static_cast<std::size_t>(unit)];
-}
 
 /// The density of each atom, in the unit that is written.
 class AtomDensities {
@@ -118,8 +109,8 @@ public:
         : densities_(pack.attributes(), options.particleDensity, options.materialDensity),
           unit_(options.unit) {}
     double operator()(std::size_t i) const {
-        return areGiven() ? densities_.unconverted()->numbers[i]
-                          : densities_.of(i) / densityUnit(unit_).size;
+        const double given = areGiven() ? densities_.unconverted()->numbers[i] : 0;
+        return given > 0 ? given : densities_.of(i) / densityUnit(unit_).size;
     }
     /// Those of an input file, which are kept as they are.
     bool areGiven() const { return densities_.unconverted() != nullptr; }
@@ -147,10 +138,10 @@ PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, con
     title += fmt::format("atom_style {}; {}", bonds ? kLammpsBonded : "sphere or granular",
                          atoms->ids.meaning());
     if (const std::string types = atoms->types.meaning(); !types.empty()) title += "; " + types;
-    title +=
-        fmt::format("; density {}", atoms->densities.areGiven()
-                                        ? "as it was given"
-                                        : fmt::format("in {}", densityUnit(options.unit).name));
+    title += fmt::format("{}{}", kLammpsDensity,
+                         atoms->densities.areGiven()
+                             ? kLammpsGiven
+                             : fmt::format("in {}", densityUnit(options.unit).name));
     std::string boundary;
     if (const PeriodicCell<3>& cell = pack.cell(); cell.any()) {
         boundary = kLammpsBoundary;

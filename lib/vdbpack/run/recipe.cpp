@@ -235,11 +235,12 @@ PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes)
 }
 
 template <int Dim>
-Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
+Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight, const Callbacks& callbacks) {
     if (recipe.existing.empty()) return {};
     PackReadOptions read;
     read.unit = recipe.packUnit;
     read.memoryLimit = recipe.memoryLimit;
+    read.callbacks = callbacks;
     Pack<3> pack = recipe.givenExisting ? *recipe.givenExisting : readPack(recipe.existing, read);
     requireRoomToNumber(pack, recipe.existing);
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
@@ -273,7 +274,7 @@ template LocalSizes localSizes(const PackRecipe&, const RequestedSizes&, const D
                                const ShellThickness&);
 template LocalSizes localSizes(const PackRecipe&, const RequestedSizes&, const Domain<3>&, double,
                                const ShellThickness&);
-template Pack<2> readExisting(const PackRecipe&, double);
-template Pack<3> readExisting(const PackRecipe&, double);
+template Pack<2> readExisting(const PackRecipe&, double, const Callbacks&);
+template Pack<3> readExisting(const PackRecipe&, double, const Callbacks&);
 
 }  // namespace vdbpack

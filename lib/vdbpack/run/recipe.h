@@ -63,6 +63,7 @@ PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes)
 /// The spheres of `recipe.existing`; an empty pack if there are none.
 /// @throws as readPack; InputError if they don't lie in the plane of a 2D domain at `sliceHeight`.
 template <int Dim>
-Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight);
+Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight,
+                       const Callbacks& callbacks = {});
 
 }  // namespace vdbpack
