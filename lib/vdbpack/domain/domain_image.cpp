@@ -52,6 +52,8 @@ LabelPart selectedPart(const DomainRecipe& recipe,
                     path, labels->size(), list));
 }
 
+namespace {
+
 /// @param unitOfOther  whether the unit of the recipe is that of another file, which an image that
 /// states its own may contradict
 Image placedImage(const DomainRecipe& recipe, const Callbacks& callbacks, bool unitOfOther) {
