@@ -100,6 +100,18 @@ std::array<std::size_t, 3> sizeOf(const itk::ImageIOBase& io, const std::string&
     return size;
 }
 
+/// Sets the spacing of a TIFF, whose tags state the resolution of paper or of screens rather than
+/// of scans. @return false: the file states none
+bool applyTiffSpacing(ImageGrid& grid, const itk::ImageIOBase& io, const ImageReadOptions& options,
+                      const std::string& path) {
+    if (!options.spacing && (io.GetSpacing(0) != 1 || io.GetSpacing(1) != 1))
+        options.callbacks.warn(fmt::format(
+            "{}: its resolution tags say {:.6g} x {:.6g} mm a pixel, which are seldom the scan's "
+            "and are not used",
+            path, io.GetSpacing(0), io.GetSpacing(1)));
+    return applySpacing(grid, options, {false, false, false}, path);
+}
+
 void readVoxels(itk::ImageIOBase& io, const std::string& path, std::byte* to) {
     byItk(path, [&] {
         itk::ImageIORegion region(io.GetNumberOfDimensions());
@@ -148,7 +160,8 @@ Image readByItk(const std::string& path, const ImageReadOptions& options) {
     grid.size = sizeOf(*io, path);
     if (grid.size[2] <= 1 && tiff)
         throw InputError(path + ": is a single slice; give the folder of all slices");
-    const bool spaced = applySpacing(grid, options, {!tiff, !tiff, !tiff}, path);
+    const bool spaced = tiff ? applyTiffSpacing(grid, *io, options, path)
+                             : applySpacing(grid, options, {true, true, true}, path);
     checkAxes(grid, path, options.callbacks);
     Image image = allocatedImage(path, grid, io->GetNumberOfComponents(), typeOf(*io, path),
                                  tiff ? sizeOf(path) : bytesOfData(header, path));
@@ -178,7 +191,7 @@ Image readTiffStack(const std::vector<std::string>& files, const ImageReadOption
     ImageGrid grid;
     grid.size = pages.front().size;
     grid.size[2] = pages.size();
-    const bool spaced = applySpacing(grid, options, {false, false, false}, files.front());
+    const bool spaced = applyTiffSpacing(grid, *pages.front().io, options, files.front());
     const auto typeAt = [&](std::size_t z) { return typeOf(*pages[z].io, pages[z].file); };
     NumberType type = typeAt(0);
     for (std::size_t z = 1; z < pages.size(); ++z)
