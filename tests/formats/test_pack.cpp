@@ -214,3 +214,27 @@ TEST_CASE("the voxel of the point grid is a power of two with about 8 points") {
     REQUIRE(pointVoxelSize(0, 1, 3) == 1);
     REQUIRE(pointVoxelSize(1, 0, 3) == 1);
 }
+
+TEST_CASE("radii are found under the names of other programs") {
+    for (const char* name : {"radius", "Radii", "scalar_radius", "r", "pscale"})
+        CHECK(readText("p.csv", std::string("x,y,z,") + name + "\n0,0,0,1.5\n").spheres[0].radius ==
+              1.5);
+    CHECK(readText("p.csv", "x,y,z,scalar_diameter\n0,0,0,3\n").spheres[0].radius == 1.5);
+    CHECK(readText("p.csv", "x,y,z,radius,diameter\n0,0,0,1.5,3\n").spheres[0].radius == 1.5);
+}
+
+TEST_CASE("particles that are no spheres, and two different sizes, are refused") {
+    const auto [columns, row, words] = GENERATE(table<std::string, std::string, std::string>({
+        {"diameter", "4", "'diameter' is 4"},
+        {"sqp_a,sqp_b,sqp_c,sqp_m,sqp_n", "1,1,2,2,2", "'sqp_c' is 2"},
+        {"sqp_a,sqp_b,sqp_c,sqp_m,sqp_n", "1,1,1,8,2", "'sqp_m' is 8"},
+        {"shapex,shapey,shapez", "1,1.2,1", "'shapey' is 1.2"},
+        {"blockiness1,blockiness2", "2,4", "'blockiness2' is 4"},
+        {"sqp_a,sqp_b,sqp_c,sqp_m,sqp_n", "1,1,1,2,2", ""},
+    }));
+    CAPTURE(columns, row);
+    const std::string error =
+        errorOf("p.csv", "x,y,z,radius," + columns + "\n0,0,0,1," + row + "\n");
+    CHECK(error.empty() == words.empty());
+    CHECK_THAT(error, Contains(words));
+}

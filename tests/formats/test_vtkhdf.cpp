@@ -4,6 +4,7 @@
 #include "support/test.h"
 #include "support/thread_ranks.h"
 
+#include "vdbpack/formats/hdf5_handle.h"
 #include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/formats/pack_view.h"
 
@@ -115,4 +116,55 @@ TEST_CASE("ranks write one pack, whatever their shares") {
     CHECK(byId(read, read.region) == pack.region);
     CHECK(byId(read, read.depth) == pack.depth);
     CHECK(byId(read, read.columns[0].numbers) == pack.columns[0].numbers);
+}
+
+TEST_CASE("names of columns that HDF5 takes for paths are written with underscores") {
+    auto pack = latticePack<3>(20, {{0, 0, 0}}, 20, 1);
+    for (const char* name : {"HU/1000", "HU.1000", "."})
+        pack.columns.push_back({name, std::vector<double>(20, 1), {}});
+    const Pack<3> read = readBack(pack, "p.vtkhdf");
+    REQUIRE(read.columns.size() == 3);
+    CHECK(read.columns[0].name == "HU_1000");
+    CHECK(read.columns[1].name == "HU_1000_2");
+    CHECK(read.columns[2].name == "_");
+}
+
+TEST_CASE("of several time steps of a .vtkhdf the last one is read, with a warning") {
+    const TemporaryFolder scratch;
+    const std::string file = scratch.file("p.vtkhdf");
+    Pack<3> pack;  // a step of two spheres, and one of three
+    for (int i = 0; i < 5; ++i) pack.spheres.push_back({{{1.0 * i, 0, 0}}, 1.0 + i});
+    writePack(pack, file);
+    {
+        const Hdf5 whole(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+        const Hdf5 group(H5Gopen2(whole, "VTKHDF", H5P_DEFAULT), H5Gclose);
+        const auto put = [](hid_t where, const char* name, std::vector<std::int64_t> values) {
+            const hsize_t size = values.size();
+            const Hdf5 space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+            const Hdf5 set(H5Dcreate2(where, name, H5T_NATIVE_INT64, space, H5P_DEFAULT,
+                                      H5P_DEFAULT, H5P_DEFAULT),
+                           H5Dclose);
+            REQUIRE(H5Dwrite(set, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >=
+                    0);
+        };
+        REQUIRE(H5Ldelete(group, "NumberOfPoints", H5P_DEFAULT) >= 0);
+        put(group, "NumberOfPoints", {2, 1, 2});
+        const auto make = [](hid_t where, const char* name) {
+            return Hdf5(H5Gcreate2(where, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+        };
+        const Hdf5 steps = make(group, "Steps"), data = make(steps, "PointDataOffsets");
+        put(steps, "NumberOfParts", {1, 2});
+        put(steps, "PartOffsets", {0, 1});
+        put(steps, "PointOffsets", {0, 2});
+        put(data, "radius", {0, 2});
+        put(data, "id", {0, 2});
+    }
+    std::vector<std::string> warnings;
+    PackReadOptions options;
+    options.callbacks = keepingWarnings({}, warnings);
+    const Pack<3> last = readPack(file, options);
+    CHECK(last.spheres == std::vector<Sphere<3>>(pack.spheres.begin() + 2, pack.spheres.end()));
+    CHECK(last.id == std::vector<std::int64_t>{2, 3, 4});
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings[0], Contains(file) && Contains("last"));
 }

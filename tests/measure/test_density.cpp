@@ -189,3 +189,22 @@ DIM_TEST_CASE("the profile of a lattice is level in whole layers") {
     CHECK_THROWS_AS(densityProfile(spheres, *domain, 0, 5), ParameterError);
     CHECK_THROWS_AS(densityProfile(spheres, *domain, 2, 1), ParameterError);
 }
+
+DIM_TEST_CASE("the union of overlapping spheres is smaller than their sum") {
+    const auto at = [](double x) {
+        Sphere<Dim> sphere{{}, 1};
+        sphere.center[0] = x;
+        return sphere;
+    };
+    // Centers one radius apart: a lens of 5/12 pi (3D), of 2/3 pi - sqrt(3)/2 (2D), in both.
+    const double lens = Dim == 3 ? 5.0 / 12 * kPi : 2.0 / 3 * kPi - std::sqrt(3) / 2;
+    const double two = 1 - lens / (2 * Measure<Dim>::ball(1));
+    CHECK(unionShare<Dim>({at(0), at(1)}) == Approx(two).margin(2e-3));
+    CHECK(unionShare<Dim>({at(0), at(1), at(5), at(7)}) == Approx((1 + two) / 2).margin(2e-3));
+    CHECK(unionShare<Dim>({at(0), at(0), at(0)}) == Approx(1.0 / 3));
+    CHECK(unionShare<Dim>({at(0), at(2.5)}) == 1);
+    PeriodicCell<Dim> cell;
+    for (int d = 0; d < Dim; ++d) cell.box.lo[d] = -5, cell.box.hi[d] = 5;
+    cell.wraps[0] = true;
+    CHECK(unionShare<Dim>({at(-4.5), at(4.5)}, cell) == Approx(two).margin(2e-3));
+}

@@ -86,6 +86,51 @@ TEST_CASE("a grading curve is met by mass") {
     CHECK(below / mass == Approx(0.3).margin(1e-3));
 }
 
+TEST_CASE("columns of tables of sizes go by their names and units") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("sizes.csv");
+    const auto [kind, text, least, most, middle] =
+        GENERATE(table<std::string, std::string, double, double, double>({
+            {"table:", "radius,weight\n1,1\n2,3\n", 1, 2, 0.25},
+            {"table:", "diameter,weight\n2,1\n4,3\n", 1, 2, 0.25},
+            {"table:", "count;diameter_um\n3;4000\n1;2000\n", 1, 2, 0.25},
+            {"table:", "# Radius [cm], weight\n0.1,1\n0.2,3\n", 1, 2, 0.25},
+            {"table:", "1 1\n2 3\n", 1, 2, 0.25},
+            {"psd:", "diameter,finer\n2,0\n4,100\n", 1, 2, 0.75},
+            {"psd:", "radius,percent finer by mass\n2,100\n1,0\n", 1, 2, 0.75},
+            {"psd:", "d [mm]  passing\n2 0\n4 100\n", 1, 2, 0.75},
+            {"psd:", "Sieve size (µm);retained [%]\n4000;0\n2000;100\n", 1, 2, 0.75},
+            {"psd:", "# D_um coarser\n2000 100\n4000 0\n", 1, 2, 0.75},
+        }));
+    CAPTURE(text);
+    std::ofstream(file) << text;
+    const auto sizes = SizeDistribution::parse(kind + file, 2);
+    CHECK(sizes.min() == Approx(least));
+    CHECK(sizes.max() == Approx(most));
+    // Mass spread evenly over radii in a plane: by number, the share below r goes with 1 - 1/r.
+    CHECK(sizes.cdf(kind == "psd:" ? 1.6 : 1.5) == Approx(middle));
+}
+
+TEST_CASE("columns of sizes that are not understood are refused with their names") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("sizes.csv");
+    const auto [kind, text, name] = GENERATE(table<std::string, std::string, std::string>({
+        {"psd:", "diameter,sample A,sample B\n1,0,0\n2,100,100\n", "sample B"},
+        {"psd:", "diameter,finer,finer\n1,0,0\n2,100,100\n", "finer, finer"},
+        {"psd:", "phi,finer\n1,0\n2,100\n", "phi"},
+        {"psd:", "diameter [in],finer\n1,0\n2,100\n", "[in]"},
+        {"psd:", "diameter,weight\n1,0\n2,100\n", "weight"},
+        {"psd:", "diameter,radius\n1,0\n2,100\n", "radius"},
+        {"table:", "radius,volume\n1,1\n2,3\n", "weight-by"},
+        {"table:", "1,1,5\n2,3,5\n", "1, 1, 5"},
+        {"table:", "size,finer\n1,1\n", "finer"},
+    }));
+    CAPTURE(text);
+    std::ofstream(file) << text;
+    CHECK_THAT(messageOf<InputError>([&] { SizeDistribution::parse(kind + file, 3); }),
+               Contains(file) && Contains(name));
+}
+
 TEST_CASE("a malformed SPEC is refused with its form") {
     const auto spec = GENERATE(
         as<std::string>{}, "", "uniform", "uniform:", "uniform:1", "uniform:1,2,3", "uniform:2,1",

@@ -51,19 +51,21 @@ PackBuilder::PackBuilder(std::string file, const std::vector<std::string>& names
         }
         return false;
     };
-    const bool complete = claim(SphereNumber::x, {"x", "points:0", "points_0"}) &&
-                          claim(SphereNumber::y, {"y", "points:1", "points_1"}) &&
-                          claim(SphereNumber::z, {"z", "points:2", "points_2"}) &&
-                          (claim(SphereNumber::radius, {"radius", "r", "pscale"}) ||
-                           claim(SphereNumber::diameter, {"diameter"}));
+    const bool complete =
+        claim(SphereNumber::x, {"x", "points:0", "points_0"}) &&
+        claim(SphereNumber::y, {"y", "points:1", "points_1"}) &&
+        claim(SphereNumber::z, {"z", "points:2", "points_2"}) &&
+        (claim(SphereNumber::radius, {"radius", "r", "pscale", "radii", "scalar_radius"}) ||
+         claim(SphereNumber::diameter, {"diameter", "diameters", "scalar_diameter"}));
     if (!complete) {
         std::string known;
         for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 20); ++i)
             known += (i > 0 ? ", " : "") + names[i].substr(0, 40);
-        throw InputError(fmt::format(
-            "{}: columns x, y, z and radius (or r, pscale, diameter) are needed, found: {}; name "
-            "the columns",
-            file_, known.empty() ? "none" : known));
+        throw InputError(
+            fmt::format("{}: columns x, y, z and radius (or r, pscale, radii, scalar_radius, "
+                        "diameter) are needed, found: {}; name "
+                        "the columns",
+                        file_, known.empty() ? "none" : known));
     }
     forEachAttribute(pack_,
                      [&claim](std::string_view name, auto& values) { claim(&values, {name}); });
@@ -230,7 +232,41 @@ void PackBuilder::addRows(std::uint64_t count, const std::vector<Put>& puts, con
     }
 }
 
+void PackBuilder::requireSpheres() const {
+    // Axes and exponents of superquadrics and ellipsoids, in MFiX, LIGGGHTS and LAMMPS.
+    constexpr std::string_view kAxes[] = {"sqp_a", "sqp_b", "sqp_c", "shapex", "shapey", "shapez"};
+    constexpr std::string_view kExponents[] = {"sqp_m", "sqp_n", "blockiness1", "blockiness2"};
+    const std::vector<double>* axis = nullptr;
+    const auto differ = [](double a, double b) { return std::abs(a - b) > 1e-5 * std::abs(b); };
+    for (const Column& column : pack_.columns) {
+        if (column.numbers.empty()) continue;
+        const std::string name = lowered(column.name);
+        const auto isOneOf = [&name](const auto& names) {
+            return std::find(std::begin(names), std::end(names), name) != std::end(names);
+        };
+        const bool isAxis = isOneOf(kAxes), isExponent = isOneOf(kExponents);
+        const bool isDiameter = name == "diameter";
+        if (isAxis && !axis) axis = &column.numbers;
+        for (std::size_t i = 0; i < column.numbers.size() && (isAxis || isExponent || isDiameter);
+             ++i) {
+            const double v = column.numbers[i];
+            if (isDiameter && differ(toMillimeters(v, unit_), 2 * pack_.spheres[i].radius))
+                failRow(fmt::format(
+                    "row {}: column '{}' is {}, and the radius is {}; remove or rename the one "
+                    "that "
+                    "is not the size of the spheres",
+                    i, column.name, v, fromMillimeters(pack_.spheres[i].radius, unit_)));
+            if ((isAxis && differ(v, (*axis)[i])) || (isExponent && differ(v, 2)))
+                failRow(fmt::format(
+                    "row {}: column '{}' is {}: the particle is no sphere but an ellipsoid or a "
+                    "superquadric; remove the column to take the radii of all as spheres",
+                    i, column.name, v));
+        }
+    }
+}
+
 Pack<3> PackBuilder::finish() {
+    requireSpheres();
     dropDefaultIds(pack_);
     return std::move(pack_);
 }

@@ -22,7 +22,8 @@ void addNames(std::vector<std::string>& names, const std::string& name, std::uin
 void dropDefaultIds(Pack<3>& pack);
 
 /// Collects the rows of a pack file. Names say what a column holds, in any case: x, y, z (also
-/// ParaView's Points:0 and Points_0), radius, r or pscale or else diameter, id, region, order,
+/// ParaView's Points:0 and Points_0), radius, r, pscale, radii (YADE) or scalar_radius
+/// (CloudCompare) or else diameter, id, region, order,
 /// depth, contacts; all others are kept as further columns.
 class PackBuilder {
 public:
@@ -81,6 +82,8 @@ public:
                  std::uint64_t first = 0);
 
     /// The pack in mm, without ids 0, 1, 2, ...
+    /// @throws InputError for particles that are no spheres by columns of axes and exponents, and
+    /// for a column `diameter` that is not twice the radius.
     Pack<3> finish();
 
 private:
@@ -96,6 +99,7 @@ private:
     template <class Use>
     void forEachColumn(const Use& use) const;
     void setSphere(SphereNumber which, double value);
+    void requireSpheres() const;
     /// The error in the last row ("radius is -1; ..."), or an empty text.
     std::string problem() const;
     [[noreturn]] void failRow(const std::string& what) const;

@@ -117,9 +117,10 @@ struct PackReadOptions {
     Callbacks callbacks{};  ///< warnings, where a file states what a pack cannot hold
 };
 
-/// Reads a pack of any program, in mm: x, y, z and radius (or r, pscale, diameter) by name, in any
-/// order and case; id, region, order, depth and contacts where there are; all else as `columns`, in
-/// the numbers of the file. The format by prefix ("lammps:f.txt") or extension:
+/// Reads a pack of any program, in mm: x, y, z and radius (or r, pscale, radii, scalar_radius,
+/// diameter) by name, in any order and case; id, region, order, depth and contacts where there are;
+/// all else as `columns`, in the numbers of the file. The format by prefix ("lammps:f.txt") or
+/// extension:
 ///
 /// - .vdb: a grid of points.
 /// - .vtp: ASCII, base64 or raw, plain or deflated; .pvtp: the pieces that it names. .vtkhdf: the

@@ -220,7 +220,7 @@ private:
             });
         if (found == std::end(kPositions))
             failColumns(frame, "columns x y z (or xs ys zs, xu yu zu, xsu ysu zsu)");
-        if (!(has("radius") || has("diameter") || has("r") || has("pscale")))
+        if (!(has("radius") || has("diameter") || has("r") || has("pscale") || has("radii")))
             failColumns(frame, "column radius or diameter");
         return *found;
     }

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct Array {
     Hdf5 set;
     NumberType type = NumberType::f64;  ///< as it is read: i64 or f64
     std::uint64_t rows = 0, components = 1;
+    std::uint64_t begin = 0;     ///< row of the first point
     std::vector<char> values{};  ///< of the rows that are read
 };
 
@@ -56,14 +58,15 @@ public:
         std::vector<Array> arrays;
         arrays.push_back(arrayOf(group_, "Points"));
         if (arrays.front().components != 3) fail("its points do not have three coordinates");
-        const std::uint64_t points = arrays.front().rows;
         const Hdf5 data(H5Gopen2(group_, "PointData", H5P_DEFAULT), H5Gclose);
-        for (const std::string& name : namesIn(data)) {
-            arrays.push_back(arrayOf(data, name));
-            if (arrays.back().rows != points)
-                fail(fmt::format("array {} has {} rows for {} points", quotedExcerpt(name),
-                                 arrays.back().rows, points));
-        }
+        for (const std::string& name : namesIn(data)) arrays.push_back(arrayOf(data, name));
+        std::uint64_t points = arrays.front().rows;
+        const bool hasSteps = H5Lexists(group_, "Steps", H5P_DEFAULT) > 0;
+        if (hasSteps) points = takeLastStep(arrays);
+        for (const Array& array : arrays)
+            if (hasSteps ? array.begin + points > array.rows : array.rows != points)
+                fail(fmt::format("array {} has {} rows for {} points", quotedExcerpt(array.name),
+                                 array.rows, array.begin + points));
         std::vector<std::string> columns{"x", "y", "z"};
         for (std::size_t a = 1; a < arrays.size(); ++a)
             addNames(columns, arrays[a].name, arrays[a].components);
@@ -110,6 +113,44 @@ private:
         return text.substr(0, text.find('\0'));
     }
 
+    /// The last number of an array; `otherwise` if there is none.
+    std::uint64_t lastOf(hid_t group, const std::string& name, std::uint64_t otherwise) const {
+        if (!(group >= 0) || !(H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0)) return otherwise;
+        Array array = arrayOf(group, name);
+        return array.rows > 0 ? numberOf(array, array.rows - 1) : otherwise;
+    }
+    std::uint64_t numberOf(Array& array, std::uint64_t row) const {
+        load(array, row, 1);
+        std::int64_t value = -1;
+        if (array.type == NumberType::i64) std::memcpy(&value, array.values.data(), sizeof value);
+        if (value < 0 || value > std::int64_t{1} << 48)
+            fail(fmt::format("array {} of its steps holds no counts; the file is damaged",
+                             quotedExcerpt(array.name)));
+        return static_cast<std::uint64_t>(value);
+    }
+    /// Notes where the points of the last time step begin in the arrays, of which the first are the
+    /// coordinates. @return how many they are.
+    std::uint64_t takeLastStep(std::vector<Array>& arrays) const {
+        const Hdf5 steps(H5Gopen2(group_, "Steps", H5P_DEFAULT), H5Gclose);
+        const Hdf5 offsets(H5Gopen2(steps, "PointDataOffsets", H5P_DEFAULT), H5Gclose);
+        Array counts = arrayOf(group_, "NumberOfPoints");
+        const std::uint64_t parts = lastOf(steps, "NumberOfParts", 1);
+        const std::uint64_t part =
+            lastOf(steps, "PartOffsets", counts.rows - std::min(counts.rows, parts));
+        if (part > counts.rows || parts > counts.rows - part)
+            fail("the parts of its last step are missing; the file is damaged");
+        std::uint64_t points = 0;
+        for (std::uint64_t p = part; p < part + parts; ++p) points += numberOf(counts, p);
+        arrays.front().begin = lastOf(steps, "PointOffsets", 0);
+        for (std::size_t a = 1; a < arrays.size(); ++a)
+            arrays[a].begin = lastOf(offsets, arrays[a].name, arrays.front().begin);
+        options_.callbacks.warn(fmt::format(
+            "{}: holds several time steps, of which the last is read; export another one alone for "
+            "that",
+            path_));
+        return points;
+    }
+
     std::vector<std::string> namesIn(const Hdf5& data) const {
         std::vector<std::string> names;
         if (!data.isValid()) return names;
@@ -149,7 +190,7 @@ private:
     }
 
     void load(Array& array, std::uint64_t first, std::uint64_t count) const {
-        const std::array<hsize_t, 2> start{first, 0}, size{count, array.components};
+        const std::array<hsize_t, 2> start{array.begin + first, 0}, size{count, array.components};
         const Hdf5 here(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
         const Hdf5 there(H5Dget_space(array.set), H5Sclose);
         H5Sselect_hyperslab(there, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr);

@@ -3,8 +3,10 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/hdf5_handle.h"
+#include "vdbpack/formats/pack_text.h"
 #include "vdbpack/io/text.h"
 
+#include <algorithm>
 #include <array>
 #include <numeric>
 #include <string_view>
@@ -143,9 +145,16 @@ VtkHdfOffsets layOutVtkHdf(const std::string& path, const std::vector<std::uint6
     offsets.types = file.room("Types", H5T_NATIVE_UINT8, points);
     offsets.connectivity = file.room("Connectivity", H5T_NATIVE_INT64, points);
     offsets.offsets = file.room("Offsets", H5T_NATIVE_INT64, points + pieces.size());
-    for (const NumberColumn& column : columns)
+    UniqueNames unique;
+    for (const NumberColumn& column : columns) {
+        // To HDF5, '/' and '.' are paths.
+        std::string name = column.name;
+        std::replace_if(
+            name.begin(), name.end(), [](char c) { return c == '/' || c == '.'; }, '_');
+        name = unique(name);
         offsets.columns.push_back(
-            file.room(column.name.c_str(), nativeType(column.type), points, 1, true));
+            file.room(name.c_str(), nativeType(column.type), points, 1, true));
+    }
     file.finish();
     return offsets;
 }

@@ -4,6 +4,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/sampling.h"
+#include "vdbpack/measure/contacts.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_reduce.h>
@@ -132,6 +133,38 @@ double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>&
 }
 
 template <int Dim>
+double unionShare(const std::vector<Sphere<Dim>>& spheres, const PeriodicCell<Dim>& cell) {
+    std::vector<std::vector<std::uint32_t>> overlapping(spheres.size());
+    double crossings = 0;
+    for (const Contact& contact : listContacts(spheres, 0, cell)) {
+        if (contact.gap >= 0) continue;
+        for (const std::uint32_t i : {contact.i, contact.j}) crossings += overlapping[i].empty();
+        overlapping[contact.i].push_back(contact.j);
+        overlapping[contact.j].push_back(contact.i);
+    }
+    if (crossings == 0) return 1;
+    const auto points = static_cast<std::size_t>(std::clamp(kPoints / crossings, 16.0, 1000.0));
+    const BallPoints<Dim> ball(16384 + points);
+    double sum = 0;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+        // A point in n spheres counts as 1 / n of each.
+        double covered = 0;
+        if (overlapping[i].empty())
+            covered = static_cast<double>(points);
+        else
+            ball.visit(spheres[i], i, points, [&](const Vec<Dim>& x) {
+                int inside = 1;
+                for (const std::uint32_t j : overlapping[i])
+                    inside += squaredLength(cell.nearest(x - spheres[j].center)) <
+                              spheres[j].radius * spheres[j].radius;
+                covered += 1.0 / inside;
+            });
+        sum += covered / static_cast<double>(points) * Measure<Dim>::ball(spheres[i].radius);
+    }
+    return sum / totalMeasure(spheres);
+}
+
+template <int Dim>
 std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
                                        const Domain<Dim>& domain, double depth,
                                        const SphereRows& rows) {
@@ -147,6 +180,8 @@ std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
     return coveredDeeperThan(spheres, domain, depth, rows) / volume;
 }
 
+template double unionShare(const std::vector<Sphere<2>>&, const PeriodicCell<2>&);
+template double unionShare(const std::vector<Sphere<3>>&, const PeriodicCell<3>&);
 template double solidFraction<2>(const std::vector<Sphere<2>>&, const Domain<2>&, Ranks*);
 template double solidFraction<3>(const std::vector<Sphere<3>>&, const Domain<3>&, Ranks*);
 template std::optional<double> interiorFraction<2>(const std::vector<Sphere<2>>&, const Domain<2>&,

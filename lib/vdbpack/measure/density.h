@@ -1,6 +1,7 @@
 // Solid fraction of a pack: of the whole domain, of its interior, by depth, and how much it varies.
 #pragma once
 
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
@@ -18,6 +19,13 @@ namespace vdbpack {
 template <int Dim>
 double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
                      Ranks* ranks = nullptr);
+
+/// Volume of the union of spheres / sum of their volumes (2D: areas): 1 where none overlap.
+///
+/// Those that overlap are sampled by 16 to 1000 low-discrepancy points each, 600,000 together.
+/// @param cell  in which they repeat. @throws InputError for an unusable sphere.
+template <int Dim>
+double unionShare(const std::vector<Sphere<Dim>>& spheres, const PeriodicCell<Dim>& cell = {});
 
 /// Share of the part deeper than `depth` that is covered by spheres.
 ///

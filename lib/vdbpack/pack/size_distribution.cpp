@@ -2,12 +2,11 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
-#include "vdbpack/io/delimited_text.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/pack/size_shape.h"
+#include "vdbpack/pack/size_table.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -38,31 +37,6 @@ void requireRange(const std::string& spec, double lo, double hi) {
     if (lo < 1e-9 || hi > 1e9)
         throw ParameterError(fmt::format(
             "radius distribution '{}': radii from {} to {} mm; give 1e-9 to 1e9 mm", spec, lo, hi));
-}
-
-/// The rows of a table of two columns, which a line of words may precede.
-std::vector<std::pair<double, double>> readTable(const std::string& path, const char* columns) {
-    constexpr std::size_t kMostRows = 1000000;
-    DelimitedText text(path);
-    std::vector<std::pair<double, double>> rows;
-    Cells cells;
-    for (bool first = true; text.nextRow(cells); first = false) {
-        double value[2] = {0, 0};
-        bool good = cells.size() >= 2;
-        for (std::size_t i = 0; i < 2 && good; ++i)
-            good = parseNumber(cells[i], value[i]) && std::isfinite(value[i]);
-        if (good)
-            rows.emplace_back(value[0], value[1]);
-        else if (!first)
-            text.file().failAtLine(
-                fmt::format("'{}' is not two numbers; expected columns {}",
-                            fmt::format("{}", fmt::join(cells, " ")).substr(0, 60), columns));
-        if (rows.size() > kMostRows)
-            throw InputError(path + ": more than a million rows; give a coarser table");
-    }
-    if (rows.empty())
-        throw InputError(fmt::format("{}: no rows; expected columns {}", path, columns));
-    return rows;
 }
 
 SizeShape uniformShape(double a, double b) {
@@ -273,12 +247,12 @@ SizeDistribution SizeDistribution::parse(const std::string& spec, int dim, Weigh
         return asWritten(lognormal(v[0], v[1], v[2], v[3]));
     }
     if (kind == "table" && !rest.empty()) {
-        auto rows = readTable(rest, "radius,weight");
+        auto rows = readSizeTable(rest, SizeTable::weights);
         requireRange(spec, rows);
         return {tableShape(std::move(rows), weightBy, dim, fail), spec};
     }
     if (kind == "psd" && !rest.empty()) {
-        auto rows = readTable(rest, "diameter,percent finer by mass");
+        auto rows = readSizeTable(rest, SizeTable::sieve);
         if (rows.size() < 2) fail("a grading curve needs two points or more");
         requireRange(spec, rows);
         return {sieveShape(std::move(rows), dim, fail), spec};

@@ -6,6 +6,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/with_images.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
 
@@ -61,8 +62,10 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
     read.unit = recipe.packUnit;
     read.gridName = recipe.packGrid;
     read.memoryLimit = recipe.memoryLimit;
+    read.callbacks = callbacks;
     Pack<3> pack = recipe.given ? *recipe.given : readPack(recipe.pack, read);
     if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
+    warnOfUnusedWeights(recipe.weightBy, {&recipe.radius}, callbacks);
     const auto columns = columnsOfNumbers(pack);
     checkGrey(recipe.grey, recipe.density, &columns);
     warnOfSharedIds(pack, recipe.pack, callbacks);
@@ -107,8 +110,10 @@ void requireDomain(const InputPack& recipe) {
 DomainRecipe domainOf(const InputPack& recipe, const Pack<3>& pack) {
     DomainRecipe domain = recipe.domain;
     if (!domain.source.empty() || !pack.cell.any()) return domain;
-    const bool plane = isPlane(pack);
     const Box<3>& box = pack.cell.box;
+    // A cell of space that is higher than the spheres holds no circles; files round.
+    const bool plane =
+        isPlane(pack) && box.hi[2] - box.lo[2] <= 2.000001 * radiusStatistics(pack.spheres).max;
     std::string corners[2];
     for (int d = 0; d < (plane ? 2 : 3); ++d) {
         corners[0] += fmt::format("{}{}", d > 0 ? "," : "", box.lo[d]);

@@ -4,11 +4,14 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/measure/density.h"
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/report/measured_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/view/pack_view.h"
+
+#include <fmt/format.h>
 
 #include <functional>
 #include <optional>
@@ -49,6 +52,25 @@ template <int Dim>
 void warnOfOtherCell(const InputPack& recipe, const PeriodicCell<Dim>& stated,
                      const Domain<Dim>& domain, const Callbacks& callbacks);
 
+/// Warns that solid fractions count overlaps twice, and by how much.
+template <int Dim>
+void warnOfUnion(const std::string& file, const Pack<Dim>& pack, const Report& report,
+                 const Callbacks& callbacks) {
+    constexpr double kLeast = 1e-3;  // of the sum: less is in the digits that are printed
+    if (!report.overlap || report.overlap->pairs == 0 || !report.overlap->complete) return;
+    const double share = unionShare(pack.spheres, pack.cell);
+    if (share > 1 - kLeast) return;
+    const auto& fraction = report.solidFractionTotal;
+    callbacks.warn(fmt::format(
+        "{}: {} pairs overlap, and solid fractions count their overlaps twice. The union has "
+        "{:.4f} "
+        "of the sum of all {}{}",
+        file, report.overlap->pairs, share, Dim == 3 ? "volumes" : "areas",
+        fraction
+            ? fmt::format(": a solid fraction of {:.4f} for {:.4f}", *fraction * share, *fraction)
+            : std::string()));
+}
+
 /// Whether all spheres of a pack lie in one plane.
 bool isPlane(const Pack<3>& pack);
 
@@ -88,11 +110,13 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
 
 /// Reads the domain of a pack and takes the measures that every report has; then calls
 /// `further(pack, domain or null, report)`.
+/// @param inSpace   spheres at one height are no circles, either.
 /// @param depthFor  depth up to which the field must know distances for such radii, mm.
 template <class Further>
 RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report,
                            const std::function<double(const RadiusStatistics&)>& depthFor,
-                           const Callbacks& callbacks, const Further& further) {
+                           const Callbacks& callbacks, const Further& further,
+                           bool inSpace = false) {
     Clock clock;
     requireDomain(recipe);
     std::optional<DomainSource> source;
@@ -116,6 +140,7 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
         measurePack(pack, source ? &*source : nullptr, domain, sizes ? &*sizes : nullptr,
                     recipe.contactTolerance, report, callbacks);
         if (report.interrupted) throw Interrupted();
+        warnOfUnion(recipe.pack, pack, report, callbacks);
         further(pack, domain, report);
         report.seconds.measure = clock.lap();
         if (isPage(recipe.reportFile)) {
@@ -129,7 +154,11 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
         callbacks.warn(recipe.pack +
                        ": all its spheres lie at one height. Set `slice` to z=V to "
                        "measure them as circles of a plane");
-    if (source ? source->dim() == 2 : plane) {
+    if (!source && plane && !inSpace)
+        callbacks.warn(recipe.pack +
+                       ": all its spheres lie at one height and are measured as circles of a "
+                       "plane. Set `domain` to a box around them to measure them as spheres");
+    if (source ? source->dim() == 2 : plane && !inSpace) {
         Pack<2> circles = asCircles(given);
         measure(circles, std::integral_constant<int, 2>());
         run.pack = std::move(circles);

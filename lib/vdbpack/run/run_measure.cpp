@@ -98,7 +98,8 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
             [&](const RadiusStatistics& r) { return structureDepth(r, recipe.shell); }, heard,
             [&](const auto& spheres, const auto* domain, const Report& measured) {
                 measureFurther(spheres, domain, measured, recipe, found, heard);
-            });
+            },
+            recipe.sphereMorphometry);
         clock.lap();
         found.run.report.files = std::visit(
             [&](const auto& p) { return writeMeasured(p, recipe, heard); }, found.run.pack);

@@ -32,7 +32,7 @@ template <int Dim>
 void prepareExisting(const PackRecipe& recipe, const DomainSource& source, Prepared<Dim>& prepared,
                      const Callbacks& callbacks) {
     if (recipe.existing.empty()) return;
-    prepared.existing = readExisting<Dim>(recipe, prepared.built.sliceHeight);
+    prepared.existing = readExisting<Dim>(recipe, prepared.built.sliceHeight, callbacks);
     const auto& spheres = prepared.existing.spheres;
     const OverlapCheck among = checkOverlap(spheres, ofDim<Dim>(prepared.built)->cell());
     if (!among.complete)
@@ -203,6 +203,7 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
             r.voids = sampled;
             for (PackRecipe& part : r.parts) part.voids = withSample(part.voids, heard);
         }
+        warnOfUnusedWeights(recipe.weightBy, {&recipe.radius, &recipe.shellRadius}, heard);
         if (Parts parts = partsOf(recipe, heard); !parts.empty()) {
             report.seconds.mesh = clock.lap();
             if (recipes.size() > 1)

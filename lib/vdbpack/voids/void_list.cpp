@@ -1,9 +1,11 @@
 #include "vdbpack/voids/void_list.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/input_file.h"
 #include "vdbpack/io/number_table.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/io/stated_unit.h"
 
 #include <fmt/format.h>
 
@@ -114,6 +116,15 @@ void appendRow(std::string& text, const Ellipsoid<Dim>& e, double unitLength, do
     text += std::to_string(e.id) + '\n';
 }
 
+/// Millimeters in the unit that a comment above the table states; 1 if none does.
+double statedScale(const std::string& path) {
+    InputFile file(path);
+    std::string_view line;
+    while (file.nextLine(line) && line.substr(0, 1) == "#")
+        if (const auto unit = statedUnit(line)) return millimetersPer(*unit);
+    return 1;
+}
+
 /// The number of the row's void; without a column for it, that of the row.
 std::uint32_t readId(const NumberTable& table, const std::optional<std::size_t>& column,
                      std::size_t row) {
@@ -131,6 +142,7 @@ std::vector<Ellipsoid<Dim>> readVoidList(const std::string& file, double scale) 
     if (!(scale > 0) || !std::isfinite(scale))
         throw ParameterError(fmt::format("{}: scale {} must be positive and finite", file, scale));
     NumberTable table(file, kListColumns);
+    scale *= statedScale(file);
     std::vector<std::size_t> center{table.require({"x"}), table.require({"y"})};
     if (Dim == 3) center.push_back(table.require({"z"}));
     const std::size_t a = table.require({"a"}), b = table.require({"b"});
@@ -164,7 +176,9 @@ std::vector<Ellipsoid<Dim>> readVoidList(const std::string& file, double scale) 
 
 template <int Dim>
 std::string voidListText(const std::vector<Ellipsoid<Dim>>& voids, Unit unit, double sliceHeight) {
-    std::string text = std::string(kListColumns) + '\n';
+    std::string text;
+    if (unit != Unit::millimeter) text = fmt::format("# {}{}\n", kUnitComment, unitName(unit));
+    text += std::string(kListColumns) + '\n';
     for (const auto& e : voids) appendRow(text, e, millimetersPer(unit), sliceHeight);
     return text;
 }

@@ -21,7 +21,8 @@ namespace vdbpack {
 /// another slice height can be read.
 ///
 /// @param file   columns separated by commas, semicolons, tabs or blanks; # begins a comment.
-/// @param scale  mm in one unit of the file, > 0.
+/// @param scale  mm in one unit of the file, > 0; times the unit that a comment above the names of
+///               the columns states ("# unit of length: cm").
 /// @return the voids in mm, in the order of the rows; empty if there are no rows. Voids that
 ///         `writeVoidList` wrote in mm are read back exactly.
 /// @throws InputError with the line if a half-axis is not positive, a number not finite, angles and
@@ -31,7 +32,8 @@ namespace vdbpack {
 template <int Dim>
 std::vector<Ellipsoid<Dim>> readVoidList(const std::string& file, double scale = 1);
 
-/// The voids as a table for `readVoidList`, with all ten columns: lengths in `unit`, angles in rad.
+/// The voids as a table for `readVoidList`, with all ten columns: lengths in `unit`, which a
+/// comment states if it is not mm, angles in rad.
 ///
 /// In 2D the columns describe the same void in space: z = `sliceHeight` (mm), theta_x = pi/2
 /// and theta_z = phi + pi/2, so that `axisOf(theta_z, theta_x)` is (cos phi, sin phi, 0).

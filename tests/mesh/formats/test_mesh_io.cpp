@@ -273,3 +273,15 @@ TEST_CASE("lines longer than the buffer are read") {
     text += std::string(5'000'000, ' ') + "3\n";
     CHECK(readMesh(folder.write("a.obj", text)).triangles.size() == 1);
 }
+
+TEST_CASE("a unit in the header of a binary .stl counts") {
+    const TemporaryFolder folder;
+    const auto mesh = boxMesh({{0, 0, 0}}, {{40, 48, 56}});
+    const auto unit = GENERATE(Unit::meter, Unit::centimeter, Unit::millimeter, Unit::micrometer);
+    writeStl(mesh, folder.file("s.stl"), unit, "a program");
+    MeshReadOptions options;
+    options.unit = GENERATE(Unit::millimeter, Unit::meter);
+    options.scale = 2;
+    const Vec<3> size = readMesh(folder.file("s.stl"), options).bounds().size();
+    for (int d = 0; d < 3; ++d) CHECK(size[d] == Approx(2 * (40 + 8 * d)));
+}

@@ -53,7 +53,7 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
     if (extension == ".vtk") read = readVtkMesh;
     if (extension == ".vtp") read = readVtpMesh;
     if (read == nullptr) refuseFormat(path, extension);
-    const double factor = millimetersPer(options.unit) * options.scale;
+    double factor = millimetersPer(options.unit) * options.scale;
     CrossedFaces found;
     TriangleMesh mesh;
     try {
@@ -63,6 +63,7 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
         MeshReader reader{file, kLargest / factor, found, {}, {}};
         read(reader);
         splitPolygons(reader);
+        if (reader.statedUnit) factor = millimetersPer(*reader.statedUnit) * options.scale;
         mesh = std::move(reader.mesh);
         if (mesh.triangles.empty()) file.fail("has no triangles; a closed surface is needed");
         if (extension != ".stl") mesh = welded(std::move(mesh));

@@ -10,7 +10,7 @@
 namespace vdbpack {
 
 struct MeshReadOptions {
-    Unit unit = Unit::millimeter;  ///< of the lengths in the file
+    Unit unit = Unit::millimeter;  ///< of the lengths in the file, unless its header states one
     double scale = 1;              ///< a further factor on all coordinates, > 0
 };
 

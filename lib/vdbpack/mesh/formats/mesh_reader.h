@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,7 @@ struct MeshReader {
     CrossedFaces& crossed;
     TriangleMesh mesh;
     std::vector<PolygonPlace> polygons;  ///< in rising order
+    std::optional<Unit> statedUnit{};    ///< by the file itself
 
     /// Whether a point is finite and near enough to the origin.
     bool isUsable(const Vec<3>& p) const {

@@ -3,6 +3,7 @@
 #include "vdbpack/mesh/formats/mesh_values.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -107,12 +108,19 @@ void readPlyMesh(MeshReader& reader) {
     const PlyHeader header = readPlyHeader(reader.file);
     std::uint64_t vertexCount = 0;
     bool hasFaces = false;
+    std::vector<std::string> columns;  // of the vertices
     for (const auto& element : header.elements) {
-        if (element.name == "vertex") vertexCount = element.count;
+        if (element.name == "vertex") {
+            vertexCount = element.count;
+            for (const auto& property : element.properties) columns.push_back(property.name);
+        }
         if (element.name == "face") hasFaces = element.count > 0;
     }
     if (!hasFaces)
-        reader.file.fail("has no faces; a closed surface is needed, not a cloud of points");
+        reader.file.fail(fmt::format(
+            "has no faces; a closed surface is needed, not a cloud of points. Spheres need x, y, z "
+            "and radius (or r, pscale, radii, scalar_radius, diameter), and the vertices have {}",
+            fmt::format("{}", fmt::join(columns, ", ")).substr(0, 200)));
     PlyValues values(reader, header.format);
     for (const auto& element : header.elements) {
         std::uint64_t least = 0;

@@ -1,5 +1,6 @@
 // STL, binary or text: triangles without shared vertices, which are welded.
 #include "vdbpack/io/byte_order.h"
+#include "vdbpack/io/stated_unit.h"
 #include "vdbpack/mesh/formats/mesh_reader.h"
 #include "vdbpack/mesh/welding.h"
 
@@ -25,6 +26,7 @@ void readBinaryStl(MeshReader& reader, Welder& welder) {
                         "triangles announced has {}, and an ASCII one begins with 'solid'; it may "
                         "be truncated, export it again",
                         file.size(), count, kStlHeader + kStlTriangle * count));
+    reader.statedUnit = statedUnit({header, kStlHeader - 4});
     reader.mesh.triangles.reserve(count);
     for (std::uint64_t i = 0; i < count; ++i) {
         const std::uint64_t offset = file.offset();
