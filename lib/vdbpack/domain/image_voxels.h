@@ -1,4 +1,4 @@
-// The voxels of an image that belong to a solid, and the image continued beyond its border.
+// Private to domain and runs: voxels of an image that belong to a solid, and images with a rim.
 #pragma once
 
 #include "vdbpack/domain/domain_recipe.h"

@@ -14,6 +14,9 @@ namespace vdbpack {
 
 namespace {
 
+/// How far from a corner of a triangle to its middle a point shows where the corner is.
+constexpr double kFromCorner = 1e-3;
+
 class Intersections {
 public:
     Intersections(const TriangleMesh& mesh, const ShellAnalysis& analysis)
@@ -43,12 +46,14 @@ private:
         return box;
     }
 
-    /// Of a selected triangle, facing outward.
-    TriangleTree::Corners corners(std::size_t i) const {
-        TriangleTree::Corners c = cornersOf(mesh_, mesh_.triangles[selected_[i]]);
-        if (analysis_.shells[shellOf(i)].signedVolume < 0) std::swap(c[1], c[2]);
+    /// Of a triangle, facing outward.
+    TriangleTree::Corners outward(std::uint32_t triangle) const {
+        TriangleTree::Corners c = cornersOf(mesh_, mesh_.triangles[triangle]);
+        if (analysis_.shells[analysis_.shellOfTriangle[triangle]].signedVolume < 0)
+            std::swap(c[1], c[2]);
         return c;
     }
+    TriangleTree::Corners corners(std::size_t i) const { return outward(selected_[i]); }
 
     /// Selects the triangles of closed shells that reach into boxes around others.
     void selectTriangles() {
@@ -102,17 +107,37 @@ private:
         return sides_.emplace(shell, MeshSides(own, true)).first->second;
     }
 
+    /// Whether a shell lies in a larger one, which it may touch from inside: by points of all its
+    /// triangles, near their middles and corners.
+    bool isNested(std::uint32_t shell, std::uint32_t larger, double tolerance) {
+        sidesOf(shell);
+        const MeshSides& around = sidesOf(larger);
+        for (const std::uint32_t triangle : trianglesOf_[shell]) {
+            const TriangleTree::Corners c = outward(triangle);
+            const Vec<3> normal = cross(c[1] - c[0], c[2] - c[0]);
+            if (!(squaredLength(normal) > 0)) continue;
+            const Vec<3> back = normalized(normal) * -tolerance;
+            const Vec<3> middle = (c[0] + c[1] + c[2]) * (1.0 / 3);
+            if (!around.inside(middle + back)) return false;
+            for (const Vec<3>& corner : c)
+                if (!around.inside(corner + (middle - corner) * kFromCorner + back)) return false;
+        }
+        return true;
+    }
+
     void compare(std::size_t i, std::size_t k) {
         const std::uint32_t a = shellOf(i), b = shellOf(k);
         const std::pair<std::uint32_t, std::uint32_t> pair = std::minmax(a, b);
-        if (pairs_.count(pair) > 0) return;
+        if (pairs_.count(pair) + nested_.count(pair) > 0) return;
         const double tolerance =
             kTouching * std::min(length(boxes_[a].size()), length(boxes_[b].size()));
         const auto inA = [&](const Vec<3>& x) { return sidesOf(a).inside(x); };
         const auto inB = [&](const Vec<3>& x) { return sidesOf(b).inside(x); };
-        if (anyEdgePasses(corners(i), corners(k), inB, tolerance) ||
-            anyEdgePasses(corners(k), corners(i), inA, tolerance))
-            pairs_.insert(pair);
+        if (!anyEdgePasses(corners(i), corners(k), inB, tolerance) &&
+            !anyEdgePasses(corners(k), corners(i), inA, tolerance))
+            return;
+        // By falling volume.
+        (isNested(pair.second, pair.first, tolerance) ? nested_ : pairs_).insert(pair);
     }
 
     const TriangleMesh& mesh_;
@@ -121,7 +146,8 @@ private:
     std::vector<std::uint32_t> selected_;                  ///< triangles
     std::vector<std::vector<std::uint32_t>> trianglesOf_;  ///< by shell; once asked for
     std::map<std::uint32_t, MeshSides> sides_;
-    std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_;
+    /// Of two shells, the larger first.
+    std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_, nested_;
 };
 
 }  // namespace

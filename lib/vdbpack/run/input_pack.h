@@ -122,7 +122,7 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
     std::optional<DomainSource> source;
     if (DomainRecipe domain = domainOf(recipe, given); !domain.source.empty()) {
         source.emplace(domain, callbacks);
-        domain.voxelSize = 0;  // may be that of the union of spheres
+        domain.voxelSize = 0;  // `measure` also takes voxels of spheres from it
         warnOfUnused(domain, *source, callbacks);
         warnOfUnusedSpacing(recipe.outputs, {&*source}, callbacks);
     }
