@@ -143,7 +143,7 @@ double unionShare(const std::vector<Sphere<Dim>>& spheres, const PeriodicCell<Di
         overlapping[contact.j].push_back(contact.i);
     }
     if (crossings == 0) return 1;
-    const auto points = static_cast<std::size_t>(std::clamp(kPoints / crossings, 16.0, 1000.0));
+    const auto points = static_cast<std::size_t>(std::clamp(kPoints / crossings, 16.0, 20000.0));
     const BallPoints<Dim> ball(16384 + points);
     double sum = 0;
     for (std::size_t i = 0; i < spheres.size(); ++i) {

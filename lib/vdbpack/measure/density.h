@@ -22,7 +22,7 @@ double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>&
 
 /// Volume of the union of spheres / sum of their volumes (2D: areas): 1 where none overlap.
 ///
-/// Those that overlap are sampled by 16 to 1000 low-discrepancy points each, 600,000 together.
+/// Those that overlap are sampled by 16 to 20,000 low-discrepancy points each, 600,000 together.
 /// @param cell  in which they repeat. @throws InputError for an unusable sphere.
 template <int Dim>
 double unionShare(const std::vector<Sphere<Dim>>& spheres, const PeriodicCell<Dim>& cell = {});

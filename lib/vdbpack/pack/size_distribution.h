@@ -48,8 +48,9 @@ public:
 
     /// The same from a text:
     ///   constant:R   uniform:A,B   normal:MEAN,SD,A,B   lognormal:MEDIAN,SIGMA,A,B
-    ///   table:FILE   columns radius, weight
-    ///   psd:FILE     columns diameter, percent finer by mass
+    ///   table:FILE   columns radius (or diameter), weight
+    ///   psd:FILE     columns diameter (or radius), percent finer (or coarser) by mass
+    /// Columns go by their names, which may end in a unit (diameter_um, "d [mm]").
     /// @param dim       2 or 3, as in `table` and `sieve`.
     /// @param weightBy  of table:FILE.
     /// @throws ParameterError for a malformed text, IoError or InputError for a bad file.
