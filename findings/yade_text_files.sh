@@ -4,7 +4,7 @@
 # so YADE does not read its own file back that way. A blank line at the end, as editors and other programs leave it, is skipped by
 # SpherePack.load and raises IndexError in ymport.text. And both writers keep 6 digits: with coordinates in micrometres a centre
 # at 12345.67 becomes 12345.7, 3 % of a radius of 1 away, where the pack was made to touch.
-# Seen on 2026-11-27: "export.text wrote 12345.7", "load of it: ValueError", "blank line: text IndexError, load 1".
+# Seen on 2026-11-27: "exported: ymport.text 1 SpherePack.load ValueError", "blank: ymport.text IndexError SpherePack.load 1".
 # Usage: findings/yade_text_files.sh     needs root's apt and chroot and 500 MB of Debian 13's packages; exits with 1 if that changes.
 set -euo pipefail
 scratch=$(mktemp -d)
