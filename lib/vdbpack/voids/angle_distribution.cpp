@@ -1,9 +1,8 @@
-#include "vdbpack/voids/orientation.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/voids/orientation.h"
 
 #include <fmt/format.h>
 
