@@ -324,7 +324,7 @@ TEST_CASE("the summary fits a terminal and the report has the symbols") {
         REQUIRE(columns(line) <= 80);
     }
     // The whole, its border, and two regions, one of them without a surface.
-    REQUIRE(count == 14 + 2 + 13 + 9);
+    REQUIRE(count == 15 + 2 + 13 + 9);
     const auto json = toJson(m);
     for (const char* key :
          {"TV", "BV", "BV/TV", "BS", "Tb.N", "SMI", "Conn.D", "connectivity", "largestComponent"})
