@@ -21,20 +21,20 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 82148},
+    {"lib", 82146},
     {"lib/python", 1989},
     {"lib/vdbpack/core", 2342},
     {"lib/vdbpack/io", 2407},
     {"lib/vdbpack/mesh", 3609},
     {"lib/vdbpack/verify", 2324},
-    {"lib/vdbpack/image", 4559},
+    {"lib/vdbpack/image", 4558},
     {"lib/vdbpack/field", 5926},
     {"lib/vdbpack/repair", 2828},
     {"lib/vdbpack/domain", 6077},
     {"lib/vdbpack/pack", 7714},
     {"lib/vdbpack/densify", 4396},
     {"lib/vdbpack/measure", 5269},
-    {"lib/vdbpack/voids", 7971},
+    {"lib/vdbpack/voids", 7970},
     {"lib/vdbpack/formats", 8858},
     {"lib/vdbpack/report", 3274},
     {"lib/vdbpack/preview", 2580},
