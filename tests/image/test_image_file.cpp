@@ -249,6 +249,13 @@ TEST_CASE("labels are found by value, by name and in layers") {
     CHECK(parseLabels("left half+7", labels, "a").front().labels.size() == 2);
     CHECK(parseLabels("3, right half", labels, "a").size() == 2);
     CHECK(parseLabels("7@0", labels, "a").front().labels.front().value == 7);
+    // A name that is the value of another label.
+    std::vector<LabelCount> crossed(2);
+    for (std::size_t i = 0; i < 2; ++i)
+        crossed[i].value = static_cast<std::int64_t>(i) + 1, crossed[i].name = i ? "1" : "2";
+    CHECK_THAT(messageOf<ParameterError>([&] { parseLabels("1", crossed, "a"); }),
+               Contains("1@0") && Contains("2@0"));
+    CHECK(parseLabels("1@0", crossed, "a").front().labels.front().name == "2");
     for (const char* bad : {"4", "left", "3+3", "3,7+3", "", "3@1"})
         CHECK_THROWS_AS(parseLabels(bad, labels, "a"), ParameterError);
     const auto meshes = labelSurfaces(image, labels, parseLabels("all", labels, "a"));

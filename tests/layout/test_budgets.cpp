@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 82146},
+    {"lib", 82152},
     {"lib/python", 1989},
     {"lib/vdbpack/core", 2342},
     {"lib/vdbpack/io", 2407},
     {"lib/vdbpack/mesh", 3609},
     {"lib/vdbpack/verify", 2324},
-    {"lib/vdbpack/image", 4558},
+    {"lib/vdbpack/image", 4564},
     {"lib/vdbpack/field", 5926},
     {"lib/vdbpack/repair", 2828},
     {"lib/vdbpack/domain", 6077},
@@ -43,7 +43,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 2978},
     {"lib/vdbpack/run", 5043},
     {"tools", 3796},
-    {"tests", 30262},
+    {"tests", 30269},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

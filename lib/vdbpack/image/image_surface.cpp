@@ -117,6 +117,12 @@ const LabelCount& labelOf(const std::string& text, const std::vector<LabelCount>
     std::vector<const LabelCount*> found;
     for (const LabelCount& label : labels)
         if (label.name == text) found.push_back(&label);
+    for (const LabelCount& label : labels)
+        if (found.size() == 1 && &label != found.front() && std::to_string(label.value) == text)
+            throw ParameterError(fmt::format(
+                "`label` {}: is the value of one label of {} and the name of another; write {} for "
+                "the value, {} for the name",
+                text, path, textOf(label), textOf(*found.front())));
     if (found.empty())
         for (const LabelCount& label : labels)
             if (std::to_string(label.value) == text || textOf(label) == text)
