@@ -1,12 +1,17 @@
 #!/usr/bin/env bash
-# niftilib (Debian 12: libnifti2-2 3.0.1): nifti_image_load makes voxels that are nan or infinite 0, without a word but in its debug
+# niftilib 3.0.1 (Debian 12: libnifti2-2 3.0.1-9): nifti_image_load makes voxels that are nan or infinite 0, without a word but in its debug
 # output. A CT in Hounsfield units that was resampled with nan around it has water there; at a threshold of 0 or less, bone.
 # Seen on 2026-11-27: "1 0 0 4" for 1, nan, inf, 4.
-# Usage: findings/niftilib_nan.sh     needs g++, python3 and libnifti2-dev; exits with 1 if that changes.
+# Usage: findings/niftilib_nan.sh     needs g++, python3 and Debian 12's packages; exits with 1 if that changes.
 set -euo pipefail
+version=3.0.1-9
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
+chmod 777 .
+for package in libnifti2-dev libnifti2-2 libniftiio-dev libznz3 libznz-dev; do apt-get download -qq "$package=$version"; done
+for package in *.deb; do dpkg -x "$package" root; done
+lib=$(dirname root/usr/lib/*/libnifti2.so)
 python3 - <<'P'
 import struct
 header = bytearray(352)
@@ -29,7 +34,8 @@ int main() {
     std::printf("%g %g %g %g\n", v[0], v[1], v[2], v[3]);
 }
 C
-g++ -std=c++17 -I/usr/include/nifti read.cpp -o read -lnifti2
+g++ -std=c++17 -Iroot/usr/include/nifti read.cpp -o read -L"$lib" -lnifti2 -lznz -Wl,-rpath-link,"$lib"
+export LD_LIBRARY_PATH=$PWD/$lib
 seen=$(./read)
 echo "$seen"
 [ "$seen" = "1 0 0 4" ] || exit 1
