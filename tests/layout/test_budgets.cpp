@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 82152},
+    {"lib", 82159},
     {"lib/python", 1989},
     {"lib/vdbpack/core", 2342},
     {"lib/vdbpack/io", 2407},
@@ -31,17 +31,17 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/field", 5926},
     {"lib/vdbpack/repair", 2828},
     {"lib/vdbpack/domain", 6077},
-    {"lib/vdbpack/pack", 7714},
+    {"lib/vdbpack/pack", 7732},
     {"lib/vdbpack/densify", 4396},
     {"lib/vdbpack/measure", 5269},
     {"lib/vdbpack/voids", 7970},
-    {"lib/vdbpack/formats", 8858},
-    {"lib/vdbpack/report", 3274},
+    {"lib/vdbpack/formats", 8867},
+    {"lib/vdbpack/report", 3302},
     {"lib/vdbpack/preview", 2580},
     {"lib/vdbpack/view", 1480},
     {"lib/vdbpack/distributed", 443},
     {"lib/vdbpack/options", 2978},
-    {"lib/vdbpack/run", 5043},
+    {"lib/vdbpack/run", 4995},
     {"tools", 3796},
     {"tests", 30269},
 };

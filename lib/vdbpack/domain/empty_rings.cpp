@@ -16,9 +16,9 @@ void forRows(std::size_t rows, const Work& work) {
 
 /// Marks (1) of cells, spread to neighboring cells one axis after the other.
 template <int Dim>
-class Spread {
+class RingMarks {
 public:
-    explicit Spread(const typename FacetCells<Dim>::Index& count, std::size_t cells)
+    explicit RingMarks(const typename FacetCells<Dim>::Index& count, std::size_t cells)
         : marked(cells),
           count_(count),
           across_(static_cast<std::size_t>(count[0])),
@@ -78,7 +78,7 @@ std::vector<std::uint8_t> emptyRings(const FacetCells<Dim>& cells,
                                      const std::vector<std::uint32_t>& start, std::uint8_t most) {
     const std::size_t n = cells.size();
     std::vector<std::uint8_t> rings(n);
-    Spread<Dim> near(cells.count, n);
+    RingMarks<Dim> near(cells.count, n);
     forAll(n, [&](std::size_t i) { near.marked[i] = start[i] != start[i + 1]; });
     for (std::uint8_t ring = 0; ring < most; ++ring) {
         if (ring > 0) near.grow();

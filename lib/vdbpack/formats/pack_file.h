@@ -149,6 +149,8 @@ struct PackReadOptions {
 /// ResourceError (not enough memory)
 Pack<3> readPack(const std::string& file, const PackReadOptions& options = {});
 
+/// Whether all spheres of a pack lie in one plane of constant z: three at the least.
+bool isPlane(const Pack<3>& pack);
 /// The same spheres as circles, where all lie at one height. @throws InputError otherwise.
 Pack<2> asCircles(const Pack<3>& pack);
 

@@ -1,6 +1,8 @@
 // Distributions of radii.
 #pragma once
 
+#include "vdbpack/core/progress.h"
+
 #include <memory>
 #include <optional>
 #include <string>
@@ -129,5 +131,9 @@ private:
     struct Read;
     std::shared_ptr<const Read> read_;
 };
+
+/// Warns of weights by volume where none of the distributions is a table of weights.
+void warnOfUnusedWeights(WeightBy weightBy, const std::vector<const SizeRequest*>& sizes,
+                         const Callbacks& callbacks);
 
 }  // namespace vdbpack

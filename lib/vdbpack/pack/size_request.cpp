@@ -1,6 +1,7 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/pack/size_distribution.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <utility>
@@ -55,6 +56,17 @@ SizeRequest SizeRequest::scaled(double factor) const {
     SizeRequest request;
     request.read_ = std::make_shared<const Read>(std::move(read));
     return request;
+}
+
+void warnOfUnusedWeights(WeightBy weightBy, const std::vector<const SizeRequest*>& sizes,
+                         const Callbacks& callbacks) {
+    const bool used = std::any_of(sizes.begin(), sizes.end(), [](const SizeRequest* one) {
+        return startsWith(one->spec(), "table:");
+    });
+    if (weightBy == WeightBy::volume && !used)
+        callbacks.warn(
+            "`weightBy` volume has no effect: it is for the weights of a table of radii "
+            "(table:FILE); formulas are by number, grading curves by mass");
 }
 
 }  // namespace vdbpack

@@ -14,7 +14,7 @@ namespace vdbpack {
 namespace {
 
 /// Distances beyond the bounds of a plane domain.
-constexpr int kRim = 4;
+constexpr int kRimPixels = 4;
 
 }  // namespace
 
@@ -41,11 +41,11 @@ PlaneField planeField(const Domain<2>& domain, const StampedVoids<2>* voids, int
     const Vec<2> size = bounds.size();
     field.step = std::max(size[0], size[1]) / columns;
     const auto count = [&](double side) {
-        return static_cast<std::int64_t>(side / field.step) + 2 + 2 * kRim;
+        return static_cast<std::int64_t>(side / field.step) + 2 + 2 * kRimPixels;
     };
     field.columns = count(size[0]);
     field.rows = count(size[1]);
-    field.origin = bounds.grown(kRim * field.step).lo;
+    field.origin = bounds.grown(kRimPixels * field.step).lo;
     field.distance.resize(static_cast<std::size_t>(field.columns * field.rows));
     struct Samplers {
         std::unique_ptr<DomainSampler<2>> domain;

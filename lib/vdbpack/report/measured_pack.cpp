@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -183,6 +184,24 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     if (contacts) pack.contacts = std::move(contacts->counts);
 }
 
+template <int Dim>
+void warnOfUnion(const std::string& file, const Pack<Dim>& pack, const Report& report,
+                 const Callbacks& callbacks) {
+    constexpr double kLeast = 1e-3;  // of the sum: less is in the digits that are printed
+    if (!report.overlap || report.overlap->pairs == 0 || !report.overlap->complete) return;
+    const double share = unionShare(pack.spheres, pack.cell);
+    if (share > 1 - kLeast) return;
+    const auto& fraction = report.solidFractionTotal;
+    callbacks.warn(fmt::format(
+        "{}: {} pairs overlap, and solid fractions count their overlaps twice. The union has "
+        "{:.4f} "
+        "of the sum of all {}{}",
+        file, report.overlap->pairs, share, Dim == 3 ? "volumes" : "areas",
+        fraction
+            ? fmt::format(": a solid fraction of {:.4f} for {:.4f}", *fraction * share, *fraction)
+            : std::string()));
+}
+
 double structureDepth(const RadiusStatistics& radius, double shell) {
     return std::max({3 * radius.max, 6.05 * radius.mean, 1.05 * shell});
 }
@@ -307,5 +326,8 @@ template PageDetails pageDetails<3>(const Pack<3>&, std::size_t, const DomainSou
 
 template RadiusHistogram radiiOf(const Pack<2>&, std::size_t, const SizeDistribution*, Ranks*);
 template RadiusHistogram radiiOf(const Pack<3>&, std::size_t, const SizeDistribution*, Ranks*);
+
+template void warnOfUnion(const std::string&, const Pack<2>&, const Report&, const Callbacks&);
+template void warnOfUnion(const std::string&, const Pack<3>&, const Report&, const Callbacks&);
 
 }  // namespace vdbpack

@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 
 namespace vdbpack {
 
@@ -24,6 +25,11 @@ template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
                  const SizeDistribution* sizes, double contactTolerance, Report& report,
                  const Callbacks& callbacks = {}, const LocalSizes* local = nullptr);
+
+/// Warns that solid fractions count overlaps twice, and by how much.
+template <int Dim>
+void warnOfUnion(const std::string& file, const Pack<Dim>& pack, const Report& report,
+                 const Callbacks& callbacks);
 
 /// Depth of the distance field that `measureStructure` needs for such radii, mm: three mean
 /// diameters for the pair correlation, and slightly more than the shell.

@@ -178,13 +178,6 @@ template void warnOfOtherCell(const InputPack&, const PeriodicCell<2>&, const Do
 template void warnOfOtherCell(const InputPack&, const PeriodicCell<3>&, const Domain<3>&,
                               const Callbacks&);
 
-bool isPlane(const Pack<3>& pack) {
-    const double z = pack.spheres.front().center[2];
-    return pack.spheres.size() > 2 &&
-           std::all_of(pack.spheres.begin(), pack.spheres.end(),
-                       [z](const Sphere<3>& s) { return s.center[2] == z; });
-}
-
 std::vector<std::string> inputFiles(const InputPack& recipe) {
     auto files = domainInputs(recipe.domain);
     if (!recipe.given) files.push_back(recipe.pack);

@@ -4,14 +4,11 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/measure/density.h"
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/report/measured_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/view/pack_view.h"
-
-#include <fmt/format.h>
 
 #include <functional>
 #include <optional>
@@ -51,28 +48,6 @@ DomainSource::Built buildAround(const std::optional<DomainSource>& source, int d
 template <int Dim>
 void warnOfOtherCell(const InputPack& recipe, const PeriodicCell<Dim>& stated,
                      const Domain<Dim>& domain, const Callbacks& callbacks);
-
-/// Warns that solid fractions count overlaps twice, and by how much.
-template <int Dim>
-void warnOfUnion(const std::string& file, const Pack<Dim>& pack, const Report& report,
-                 const Callbacks& callbacks) {
-    constexpr double kLeast = 1e-3;  // of the sum: less is in the digits that are printed
-    if (!report.overlap || report.overlap->pairs == 0 || !report.overlap->complete) return;
-    const double share = unionShare(pack.spheres, pack.cell);
-    if (share > 1 - kLeast) return;
-    const auto& fraction = report.solidFractionTotal;
-    callbacks.warn(fmt::format(
-        "{}: {} pairs overlap, and solid fractions count their overlaps twice. The union has "
-        "{:.4f} "
-        "of the sum of all {}{}",
-        file, report.overlap->pairs, share, Dim == 3 ? "volumes" : "areas",
-        fraction
-            ? fmt::format(": a solid fraction of {:.4f} for {:.4f}", *fraction * share, *fraction)
-            : std::string()));
-}
-
-/// Whether all spheres of a pack lie in one plane.
-bool isPlane(const Pack<3>& pack);
 
 /// The files that a run on a pack reads.
 std::vector<std::string> inputFiles(const InputPack& recipe);

@@ -1,6 +1,5 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
-#include "vdbpack/io/text.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
@@ -133,17 +132,6 @@ void requireSpheresLeft(const Run<Dim>& run, std::uint64_t before) {
         "`voids` {}: remove all {} {}{}. Give fewer or smaller voids, or a higher `targetBvtv`",
         nameOf(run.voids.recipe), before, Measure<Dim>::kSpheres,
         bvtv ? fmt::format(" and leave a BV/TV of {:.4f}", *bvtv) : std::string()));
-}
-
-void warnOfUnusedWeights(WeightBy weightBy, const std::vector<const SizeRequest*>& sizes,
-                         const Callbacks& callbacks) {
-    const bool used = std::any_of(sizes.begin(), sizes.end(), [](const SizeRequest* one) {
-        return startsWith(one->spec(), "table:");
-    });
-    if (weightBy == WeightBy::volume && !used)
-        callbacks.warn(
-            "`weightBy` volume has no effect: it is for the weights of a table of radii "
-            "(table:FILE); formulas are by number, grading curves by mass");
 }
 
 #define VDBPACK_INSTANTIATE(Dim)                                  \

@@ -225,10 +225,6 @@ void measureStage(Run<Dim>& run);
 template <int Dim>
 RunResult finishStage(Run<Dim>& run);
 
-/// Warns of weights by volume where none of the distributions is a table of weights.
-void warnOfUnusedWeights(WeightBy weightBy, const std::vector<const SizeRequest*>& sizes,
-                         const Callbacks& callbacks);
-
 // Warnings of packs that can hardly be used (pack_warnings.cpp).
 
 /// Warns if contacts connect few of the spheres with one another or, with voids, with the shell.
