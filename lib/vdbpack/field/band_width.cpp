@@ -4,6 +4,7 @@
 
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/FastSweeping.h>
+#include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/Prune.h>
 
 #include <algorithm>
@@ -17,6 +18,10 @@ using openvdb::FloatGrid;
 FloatGrid::Ptr widened(const FloatGrid& levelSet, int voxels) {
     return openvdb::tools::dilateSdf(levelSet, voxels, openvdb::tools::NN_FACE, 1,
                                      openvdb::tools::FastSweepingDomain::SWEEP_LESS_THAN_ISOVALUE);
+}
+
+void makeFog(FloatGrid& levelSet) {
+    openvdb::tools::sdfToFogVolume(levelSet);
 }
 
 FloatGrid::Ptr narrowed(const FloatGrid& levelSet, float width) {

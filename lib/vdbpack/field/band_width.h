@@ -1,4 +1,4 @@
-// Private: level sets with a deeper or a narrower band.
+// Private: level sets with a deeper or a narrower band, and fog.
 #pragma once
 
 #include "vdbpack/field/vdb_grid.h"
@@ -11,5 +11,8 @@ openvdb::FloatGrid::Ptr widened(const openvdb::FloatGrid& levelSet, int voxels);
 
 /// A copy of a level set with the band cut to `width` (mm) on both sides.
 openvdb::FloatGrid::Ptr narrowed(const openvdb::FloatGrid& levelSet, float width);
+
+/// Turns a level set into fog: 1 deeper than its band, falling to 0 at the wall.
+void makeFog(openvdb::FloatGrid& levelSet);
 
 }  // namespace vdbpack

@@ -27,7 +27,7 @@ std::optional<NumberType> numberType(char kind, std::size_t bytes) {
 
 /// What follows "'key':" in the header of an array, a dictionary as Python prints it; nothing if
 /// there is no such key.
-std::optional<std::string_view> valueOf(std::string_view header, std::string_view key) {
+std::optional<std::string_view> entryOf(std::string_view header, std::string_view key) {
     const auto at = header.find(key);
     if (at == std::string_view::npos) return std::nullopt;
     const auto colon = std::min(header.find(':', at), header.size() - 1);
@@ -98,9 +98,9 @@ std::optional<NpyArray> NpyArray::describe(const std::string& text, std::uint64_
     require(text.size() <= bytes, where, " (its header)");
     const std::size_t before = text.size() > 6 && text[6] >= 2 ? 12 : 10;
     const auto header = std::string_view(text).substr(std::min(before, text.size()));
-    const auto type = valueOf(header, "'descr'");
-    const auto fortran = valueOf(header, "'fortran_order'");
-    const auto shape = valueOf(header, "'shape'");
+    const auto type = entryOf(header, "'descr'");
+    const auto fortran = entryOf(header, "'fortran_order'");
+    const auto shape = entryOf(header, "'shape'");
     require(type && fortran && shape, where, " (its header)");
 
     NpyArray a;

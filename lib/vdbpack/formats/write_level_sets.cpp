@@ -1,7 +1,7 @@
 // OpenVDB files of level sets, as they are or as fog, and of the grids that other writers add.
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/field/vdb_grid.h"
+#include "vdbpack/field/band_width.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_view.h"
@@ -11,7 +11,6 @@
 #include <openvdb/Grid.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/io.h>
-#include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
@@ -158,7 +157,7 @@ void writeFog(const VdbGrid& levelSet, const std::string& file, const PackWriteO
     initializeOpenVdb();
     // Values are fractions of the depth of the band, without a unit; voxels have one.
     const auto grid = copyIn(levelSet, options.unit);
-    openvdb::tools::sdfToFogVolume(*grid);
+    makeFog(*grid);
     grid->setName("density");
     PackWriteOptions alone = options;
     alone.levelSets.clear();
