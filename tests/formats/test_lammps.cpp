@@ -16,6 +16,20 @@ TEST_CASE("a LAMMPS data file keeps ids, types and densities") {
     REQUIRE(columnOfNumbers(pack, "iz")->numbers == std::vector<double>{0, -1});
 }
 
+TEST_CASE("velocities of a data file are told to be left out") {
+    const auto heard = [](const char* speed) {
+        std::vector<std::string> warnings;
+        readText("p.data",
+                 std::string(kHeader) + kAtoms + "\nVelocities\n\n7 0 0 0 0 0 0\n4 " + speed +
+                     " 0 0 0 0 0\n",
+                 warnings);
+        return warnings;
+    };
+    REQUIRE(heard("0.1").size() == 1);
+    CHECK_THAT(heard("0.1")[0], Contains("Velocities"));
+    CHECK(heard("0").empty());
+}
+
 TEST_CASE("data files may order and comment their lines as LAMMPS allows") {
     const std::string atoms =
         GENERATE(as<std::string>{}, "Atoms", "Atoms  # granular", "  Atoms # sphere");

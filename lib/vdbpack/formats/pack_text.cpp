@@ -115,10 +115,11 @@ void takeCell(Pack<3>& pack, const StatedBox& stated, const std::string& file,
     }
     if (!stated.hasFlags && (stated.isTilted || protruding > 0))
         callbacks.warn(fmt::format(
-            "{}: {} spheres protrude from its {}box, and the file does not state which faces are "
-            "periodic: overlap and contacts across faces are not counted. Name a periodic box as "
-            "`domain` with `periodic`",
-            file, protruding, stated.isTilted ? "tilted (triclinic) " : ""));
+            "{}: {}, and the file does not state which faces are periodic: overlap and contacts "
+            "across faces are not counted. Name a periodic box as `domain` with `periodic`",
+            file,
+            stated.isTilted ? "its box is tilted (triclinic)"
+                            : fmt::format("{} spheres protrude from its box", protruding)));
     else if (cell.any() && !isBox)
         callbacks.warn(fmt::format(
             "{}: its periodic box is {}; a periodic cell has edges along x, y and z. The pack has "

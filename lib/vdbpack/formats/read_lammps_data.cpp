@@ -52,6 +52,7 @@ public:
             Pack<3> pack = readAtoms(line);
             if (box_.isTilted || hasBox_) takeCell(pack, box_, file_.path(), callbacks_);
             if (knowsDensity_) convertDensity(pack, unit_);
+            warnOfVelocities(line);
             return pack;
         }
         const auto atoms = counts_.find("atoms");
@@ -213,6 +214,22 @@ private:
             file_.failAtLine(fmt::format("more atoms follow than the {} of the header; correct it",
                                          *table.rows));
         return pack;
+    }
+
+    /// A section that follows the atoms. @param line  the last one that was read.
+    void warnOfVelocities(std::string_view line) {
+        bool inSection = false, moves = false;
+        do {
+            const bool number = !words_.empty() && isNumber(words_.front());
+            if (!number) inSection = !words_.empty() && words_.front() == "Velocities";
+            double speed = 0;
+            for (std::size_t k = 1; inSection && number && k < words_.size(); ++k)
+                moves = moves || (parseNumber(words_[k], speed) && speed != 0);
+        } while (!moves && nextContent(line));
+        if (moves)
+            callbacks_.warn(file_.path() +
+                            ": its section Velocities is not read; a dump with vx, vy and vz "
+                            "keeps velocities");
     }
 
     InputFile file_;
