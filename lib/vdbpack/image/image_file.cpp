@@ -117,9 +117,8 @@ void checkNumbers(const std::vector<std::string>& files) {
         if (least > 0 && most == least) return;  // counts the slices
         if (least > 0)
             missing = fmt::format(
-                "{} and {}: are {:.0f} apart, other files {:.0f}: number {:.0f} is missing; add "
-                "it, "
-                "or number the files without gaps if no slice is missing",
+                "{} and {}: are {:.0f} apart, other files {:.0f}: number {:.0f} is missing; "
+                "add it, or number the files without gaps if no slice is missing",
                 files[where - 1], files[where], most, least, numbers[where - 1][at] + least);
     }
     if (!missing.empty()) throw InputError(missing);
