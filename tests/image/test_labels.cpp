@@ -5,6 +5,7 @@
 #include "vdbpack/domain/domain_image.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/image/image_surface.h"
+#include "vdbpack/mesh/mesh_check.h"
 
 namespace {
 
@@ -106,4 +107,32 @@ TEST_CASE("grey values are no labels unless they are asked for") {
     CHECK_FALSE(labelsOf(image));
     image.names = {{"air", -1000, 0}};
     CHECK(labelsOf(image).value().front().name == "air");
+}
+
+TEST_CASE("an image of two values has the volume of its voxels at any threshold between them") {
+    const auto inBall = [](const Vec<3>& p) { return length(p - Vec<3>{{9, 9, 9}}) < 6; };
+    const Image image = imageOf<std::uint8_t>(NumberType::u8, 20,
+                                              [&](const Vec<3>& p) { return inBall(p) ? 255 : 0; });
+    const double voxels = static_cast<double>(labelsOf(image).value().front().voxels);
+    Callbacks callbacks;
+    callbacks.warning = [](const std::string& text) { FAIL_CHECK(text); };
+    for (const double threshold : {1.0, 128.0, 255.0})
+        CHECK(checkMesh(thresholdSurface(image, threshold, "a", callbacks)).signedVolume ==
+              Approx(voxels).epsilon(0.005));
+}
+
+TEST_CASE("thin parts that a threshold loses are told of") {
+    // A plate one voxel thick between values that fall off beside it.
+    const Image image = imageOf<std::uint8_t>(NumberType::u8, 20, [](const Vec<3>& p) {
+        return p[0] == 9 ? 200 : p[0] == 8 || p[0] == 10 ? 20 : 0;
+    });
+    std::vector<std::string> warnings;
+    Callbacks callbacks;
+    callbacks.warning = [&](const std::string& text) { warnings.push_back(text); };
+    const double volume = checkMesh(thresholdSurface(image, 190, "a", callbacks)).signedVolume;
+    // Its sides lie 10/180 of a voxel off the middle, its rim up to half a voxel inside.
+    CHECK(volume / (2 * 10.0 / 180) > 19 * 19);
+    CHECK(volume / (2 * 10.0 / 180) < 20 * 20);
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings[0], Contains("400 voxels") && Contains("-89 %"));
 }

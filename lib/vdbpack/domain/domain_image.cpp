@@ -136,7 +136,10 @@ TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
     const auto labels = requiredLabels(recipe, image);
     const LabelPart part = selectedPart(recipe, labels);
     warnOfBorder(part, image.grid, recipe.source, callbacks);
-    return std::move(labelSurfaces(image, labels, {part}).front());
+    TriangleMesh mesh = std::move(labelSurfaces(image, labels, {part}).front());
+    warnOfVolume(mesh, image.grid, part.voxels(), recipe.source + ": label " + part.name,
+                 callbacks);
+    return mesh;
 }
 
 }  // namespace vdbpack

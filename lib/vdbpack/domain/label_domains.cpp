@@ -41,6 +41,9 @@ void LabelledImage::makeSurfaces() {
 
 DomainSource LabelledImage::source(const DomainRecipe& domain, std::size_t part,
                                    const Callbacks& callbacks) {
+    const LabelPart& one = parts_[part];
+    warnOfVolume(surfaces_[part], image_.grid, one.voxels(), path_ + ": label " + one.name,
+                 callbacks);
     DomainSource made(domain, std::move(surfaces_[part]), callbacks);
     made.setImageGrid(image_.grid, image_.isSpaced);
     return made;

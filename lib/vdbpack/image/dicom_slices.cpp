@@ -188,7 +188,10 @@ std::vector<DicomSlice> dicomSlices(const std::string& file) {
         slice.segment =
             isLabelMap ? 0 : shortOf(header.bytes(slice.frame, kSegment, {0x0062, 0x000b}));
         if (slice.segmented && !isLabelMap && slice.segment == 0)
-            throw InputError(slice.name() + ": does not state its segment; it is damaged");
+            throw InputError(slice.name() +
+                             ": does not state its segment (ReferencedSegmentNumber); convert the "
+                             "file to .nrrd or "
+                             ".nii with 3D Slicer or dcmqi's segimage2itkimage");
         slice.stack = header.text(slice.frame, kContent, {0x0020, 0x9056});
         // Also of the kinds of images to which the standard gives no scale but of doses.
         auto slope = header.numbers(slice.frame, kTransformation, {0x0028, 0x1053}, 1);

@@ -347,23 +347,43 @@ std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<La
     return meshes;
 }
 
+void warnOfVolume(const TriangleMesh& mesh, const ImageGrid& grid, std::size_t voxels,
+                  const std::string& what, const Callbacks& callbacks) {
+    constexpr double kMost = 0.1;
+    double volume = 0;
+    for (const auto& t : mesh.triangles) {
+        const auto at = [&](std::size_t k) { return mesh.vertices[t[k]] - grid.origin; };
+        volume += dot(at(0), cross(at(1), at(2))) / 6;
+    }
+    const double right = static_cast<double>(voxels) * std::fabs(grid.signedVoxelVolume());
+    if (std::fabs(volume - right) > kMost * right)
+        callbacks.warn(fmt::format(
+            "{}: the surface encloses {:.5g} mm³, its {} voxels {:.5g} mm³ ({:+.0f} %): it has "
+            "parts as thin as a voxel; give smaller voxels, or values of 0 and 1, which keep the "
+            "volume of the voxels",
+            what, volume, voxels, right, 100 * (volume / right - 1)));
+}
+
 TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path,
                               const Callbacks& callbacks) {
     LabelVoxels voxels;
     voxels.size = image.grid.size;
     voxels.labels.resize(image.grid.voxels());
+    const std::pair<double, double> range = valueRange(image);
     return image.visit([&](const auto* values) {
         const auto valueAt = [&](std::size_t i) { return image.value(values[i * image.layers]); };
-        std::atomic<std::size_t> inside{0}, unknown{0};
+        std::atomic<std::size_t> inside{0}, unknown{0}, between{0};
         parallelFor(IndexRange(0, voxels.labels.size(), 65536), [&](const IndexRange& block) {
-            std::size_t count = 0, noNumbers = 0;
+            std::size_t count = 0, noNumbers = 0, others = 0;
             for (std::size_t i = block.begin(); i < block.end(); ++i) {
                 const double value = valueAt(i);
                 count += voxels.labels[i] = value >= threshold;
                 noNumbers += std::isnan(value);
+                others += value > range.first && value < range.second;
             }
             inside += count;
             unknown += noNumbers;
+            between += others;
         });
         if (unknown > 0)
             callbacks.warn(
@@ -375,13 +395,21 @@ TriangleMesh thresholdSurface(const Image& image, double threshold, const std::s
                             "to a value between those of bone and of what surrounds it",
                             path, inside == 0 ? "none" : "all", threshold));
         SurfaceNet net = surfaceNet(voxels);
-        interpolate(net, voxels, [&](std::size_t a, std::size_t b) {
-            const double low = valueAt(a), high = valueAt(b);
-            const double share = (threshold - low) / (high - low);
-            // A value that is not a number, or exactly the threshold.
-            return share >= 0 && share <= 1 ? share : 0.5;
-        });
-        return surfaceOf(net, image.grid, [](std::uint16_t label) { return label == 1; });
+        if (between == 0) {
+            smooth(net, voxels.size);
+        } else {
+            interpolate(net, voxels, [&](std::size_t a, std::size_t b) {
+                const double low = valueAt(a), high = valueAt(b);
+                const double share = (threshold - low) / (high - low);
+                // A value that is not a number, or exactly the threshold.
+                return share >= 0 && share <= 1 ? share : 0.5;
+            });
+        }
+        TriangleMesh mesh =
+            surfaceOf(net, image.grid, [](std::uint16_t label) { return label == 1; });
+        warnOfVolume(mesh, image.grid, inside, fmt::format("{}: `threshold` {:g}", path, threshold),
+                     callbacks);
+        return mesh;
     });
 }
 

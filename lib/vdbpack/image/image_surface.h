@@ -43,6 +43,12 @@ std::pair<double, double> valueRange(const Image& image);
 struct LabelPart {
     std::string name;                ///< as requested
     std::vector<LabelCount> labels;  ///< of one layer
+
+    std::size_t voxels() const {
+        std::size_t sum = 0;
+        for (const LabelCount& label : labels) sum += label.voxels;
+        return sum;
+    }
 };
 
 /// The first 40 labels with their names, and how many more there are.
@@ -61,8 +67,14 @@ std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<La
 std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<LabelCount>& labels,
                                         const std::vector<LabelPart>& parts);
 
+/// Warns of a surface whose volume is not that of so many voxels up to 10 %: of parts as thin as a
+/// voxel. @param what  it is the surface of
+void warnOfVolume(const TriangleMesh& mesh, const ImageGrid& grid, std::size_t voxels,
+                  const std::string& what, const Callbacks& callbacks);
+
 /// The surface around the values of at least `threshold`, mm, placed between voxels by their
-/// values. Values that are not numbers are outside, and a warning counts them.
+/// values; of an image of two values that of a label. Values that are not numbers are outside, and
+/// a warning counts them; another is that of `warnOfVolume`.
 /// @throws InputError if all values or none are that high; ResourceError
 TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path,
                               const Callbacks& callbacks = {});
