@@ -105,11 +105,14 @@ TEST_CASE("DICOM: segments that overlap lie in layers, and what cannot be placed
     const auto labels = labelsOf(image).value();
     CHECK(labelSurfaces(image, labels, parseLabels("femur", labels, "a")).size() == 1);
 
+    DicomElements aside = frameOf(2, "2"), position;
+    aside.setItems(0x20, 0x9113, {position.set(0x20, 0x32, "DS", "11\\20\\2")});
     struct Row {
         std::vector<DicomElements> frames;
         const char* text;
     };
     const Row rows[] = {{{frameOf(1, "0"), frameOf(1, "0"), frameOf(1, "2")}, "frame 1"},
+                        {{frameOf(1, "0"), frameOf(1, "2"), aside}, "frame 3: lies beside"},
                         {{frameOf(1, "0"), frameOf(2, "2"), frameOf(1, "5")}, "0, 2, 5 mm"},
                         {{frameOf(0, "0"), frameOf(2, "2")}, "does not state its segment"},
                         {{frameOf(1, "0"), frameOf(2, "0.01"), frameOf(1, "9999")}, "9999 mm"}};

@@ -85,6 +85,12 @@ TEST_CASE("more labels than a thousand are labels, and messages count what they 
     CHECK(labelSurfaces(image, labels, parts).back().bounds().hi[0] == Approx(59.5));
 }
 
+TEST_CASE("labels of 32 bits keep their values") {
+    const Image image = imageOf<std::uint32_t>(
+        NumberType::u32, 10, [](const Vec<3>& p) { return p[0] < 5 ? 0u : 4000000000u; });
+    CHECK(valuesOf(labelsOf(image)) == std::vector<std::int64_t>{4000000000});
+}
+
 TEST_CASE("grey values are no labels unless they are asked for") {
     RandomStream random(4, 1);
     const auto noise = [&](const Vec<3>& p) {

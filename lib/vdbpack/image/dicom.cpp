@@ -46,30 +46,6 @@ std::vector<std::string> seriesIn(const std::string& folder, const ImageReadOpti
     return series.begin()->second;
 }
 
-void requireAlike(const DicomSlice& slice, const DicomSlice& first) {
-    if (slice.size != first.size)
-        throw InputError(
-            fmt::format("{}: has {} x {} pixels, {} has {} x {}; give slices of one "
-                        "series",
-                        slice.name(), slice.size[0], slice.size[1], first.name(), first.size[0],
-                        first.size[1]));
-    for (std::size_t axis = 0; axis < 2; ++axis)
-        if (length(slice.along[axis] - first.along[axis]) > 1e-3 ||
-            std::fabs(slice.spacing.c[axis] - first.spacing.c[axis]) > 1e-3 * first.spacing.c[axis])
-            throw InputError(fmt::format(
-                "{}: its pixels do not lie along those of {}; give slices of one series",
-                slice.name(), first.name()));
-    if (slice.stack != first.stack)
-        throw InputError(fmt::format(
-            "{}: is of stack {}, {} of stack {}; the file has several volumes: write each into a "
-            "file of its own",
-            slice.name(), slice.stack, first.name(), first.stack));
-    if (slice.placed != first.placed || slice.oriented != first.oriented)
-        throw InputError(fmt::format(
-            "{} and {}: one of them does not state where it lies; give slices of one series",
-            first.name(), slice.name()));
-}
-
 /// "0, 2, 10 mm"
 std::string positionsOf(const std::vector<double>& along) {
     constexpr std::size_t kMost = 24;
@@ -140,6 +116,30 @@ void readFile(const std::vector<DicomSlice>& slices, const std::vector<std::size
 }
 
 }  // namespace
+
+void requireAlike(const DicomSlice& slice, const DicomSlice& first) {
+    if (slice.size != first.size)
+        throw InputError(
+            fmt::format("{}: has {} x {} pixels, {} has {} x {}; give slices of one "
+                        "series",
+                        slice.name(), slice.size[0], slice.size[1], first.name(), first.size[0],
+                        first.size[1]));
+    for (std::size_t axis = 0; axis < 2; ++axis)
+        if (length(slice.along[axis] - first.along[axis]) > 1e-3 ||
+            std::fabs(slice.spacing.c[axis] - first.spacing.c[axis]) > 1e-3 * first.spacing.c[axis])
+            throw InputError(fmt::format(
+                "{}: its pixels do not lie along those of {}; give slices of one series",
+                slice.name(), first.name()));
+    if (slice.stack != first.stack)
+        throw InputError(fmt::format(
+            "{}: is of stack {}, {} of stack {}; the file has several volumes: write each into a "
+            "file of its own",
+            slice.name(), slice.stack, first.name(), first.stack));
+    if (slice.placed != first.placed || slice.oriented != first.oriented)
+        throw InputError(fmt::format(
+            "{} and {}: one of them does not state where it lies; give slices of one series",
+            first.name(), slice.name()));
+}
 
 ImageGrid gridOfSlices(std::vector<DicomSlice>& slices, const ImageReadOptions& options,
                        const std::string& path, bool& isSpaced) {

@@ -13,6 +13,9 @@ namespace vdbpack {
 /// positions, in whatever order they are stored. @throws as `readImage`
 Image readDicom(const std::string& path, const ImageReadOptions& options);
 
+/// @throws InputError for a slice of another size, direction, spacing or stack than the first
+void requireAlike(const DicomSlice& slice, const DicomSlice& first);
+
 /// The grid of slices, which it sorts. @param isSpaced  set to whether they state all distances
 /// @throws InputError unless they are alike and evenly spaced
 ImageGrid gridOfSlices(std::vector<DicomSlice>& slices, const ImageReadOptions& options,

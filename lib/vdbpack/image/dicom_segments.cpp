@@ -12,11 +12,13 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <set>
 
 namespace vdbpack {
 
 namespace {
+
+constexpr const char* kSeveral =
+    "; the file has several volumes: write each into a file of its own";
 
 double heightOf(const DicomSlice& slice) {
     return dot(slice.position, cross(slice.along[0], slice.along[1]));
@@ -62,11 +64,12 @@ std::vector<DicomSlice> slicesAt(std::vector<DicomSlice> frames) {
 /// The pixels of a file of segments, and where they belong.
 class Segments {
 public:
-    Segments(const std::vector<DicomSlice>& frames, const ImageGrid& grid, const std::string& path,
-             const ImageReadOptions& options)
-        : meaning_(dicomSegments(path)),
-          pixels_(grid.size[0] * grid.size[1]),
-          wide_(frames.front().type != NumberType::u8) {
+    /// @param slices  at all positions, sorted
+    Segments(const std::vector<DicomSlice>& frames, const std::vector<DicomSlice>& slices,
+             const std::string& path, const ImageReadOptions& options)
+        : meaning_(dicomSegments(frames.front().file)),
+          pixels_(frames.front().size[0] * frames.front().size[1]),
+          wide_(bytesOf(frames.front().type) == 2) {
         const DicomSlice& any = frames.front();
         if (bytesOf(any.type) > 2)
             throw InputError(path + ": its pixels are of 32 bits, which segmentations do not have");
@@ -83,26 +86,31 @@ public:
                 "{}: its segments are fractions of voxels; voxels of {} of {} or more are taken",
                 path, (meaning_.whole + 1) / 2, meaning_.whole));
         for (const DicomSlice& frame : frames) {
-            const auto slice =
-                static_cast<std::size_t>(std::lround(grid.indexOf(frame.position)[2]));
-            for (const Frame& other : frames_[frame.segment])
-                if (other.slice == slice)
-                    throw InputError(fmt::format(
-                        "{}: lies at the position of frame {}, which has the same segment; the "
-                        "file has several volumes: write each into a file of its own",
-                        frame.name(), other.frame + 1));
-            frames_[frame.segment].push_back({frame.frame, slice});
+            requireAlike(frame, slices.front());
+            const auto above = std::upper_bound(
+                slices.begin() + 1, slices.end(), heightOf(frame) + 1e-6,
+                [](double height, const DicomSlice& slice) { return height < heightOf(slice); });
+            const auto [other, isNew] = frames_[frame.segment].emplace(
+                static_cast<std::size_t>(above - slices.begin()) - 1, frame.frame);
+            if (length(frame.position - std::prev(above)->position) > 0.1 * frame.spacing[0] &&
+                frame.spacing[0] > 0)
+                throw InputError(frame.name() + ": lies beside other frames at its height" +
+                                 kSeveral);
+            if (!isNew)
+                throw InputError(fmt::format(
+                    "{}: lies at the position of frame {}, which has the same segment{}",
+                    frame.name(), other->second + 1, kSeveral));
         }
     }
 
     /// Calls `work(voxel, label)` for the voxels of a segment, until it returns false.
     template <class Work>
     bool forEachVoxel(std::size_t segment, const Work& work) const {
-        for (const Frame& frame : frames_.at(segment))
+        for (const auto& [slice, frame] : frames_.at(segment))
             for (std::size_t i = 0; i < pixels_; ++i) {
-                const std::size_t pixel = frame.frame * pixels_ + i;
+                const std::size_t pixel = frame * pixels_ + i;
                 if (const std::size_t label = labelAt(pixel, segment)) {
-                    if (!work(frame.slice * pixels_ + i, label)) return false;
+                    if (!work(slice * pixels_ + i, label)) return false;
                 } else if (meaning_.ofBits && bytes_[pixel / 8] == 0) {
                     i += 7 - pixel % 8;  // nor have the others of the byte
                 }
@@ -118,10 +126,6 @@ public:
     const std::vector<LabelName>& names() const { return meaning_.names; }
 
 private:
-    struct Frame {
-        std::size_t frame, slice;
-    };
-
     std::size_t labelAt(std::size_t pixel, std::size_t segment) const {
         if (meaning_.ofBits) return bytes_[pixel / 8] >> pixel % 8 & 1 ? segment : 0;
         std::uint16_t number = 0;
@@ -134,7 +138,7 @@ private:
     std::size_t pixels_;
     bool wide_;
     std::vector<char> bytes_;
-    std::map<std::size_t, std::vector<Frame>> frames_;  // of segments
+    std::map<std::size_t, std::map<std::size_t, std::size_t>> frames_;  // of segments, by slice
 };
 
 }  // namespace
@@ -156,7 +160,7 @@ Image readSegments(const std::string& path, const std::vector<DicomSlice>& frame
             "distance to the next one (SpacingBetweenSlices); convert it to .nrrd with 3D Slicer");
     bool isSpaced = true;
     const ImageGrid grid = gridOfSlices(slices, options, path, isSpaced);
-    const Segments segments(frames, grid, frames.front().file, options);
+    const Segments segments(plain, slices, path, options);
     const std::uint64_t bytes = sizeOf(frames.front().file);
     // Each segment goes into the first layer where it overlaps none before it.
     const Image taken = allocatedImage(path, grid, 1, NumberType::u8, bytes);

@@ -19,6 +19,8 @@ namespace {
 
 /// `LabelVoxels` count by 16 bits.
 constexpr std::size_t kMostLabels = 65000;
+/// Whole numbers below it are exact.
+constexpr double kLargestLabel = 9e15;
 /// Of more labels than these, what neighbors have tells whether they are grey values.
 constexpr std::size_t kFewLabels = 20;
 /// Voxels around a selection that are looked at with it: its neighbors shape its surface.
@@ -79,7 +81,7 @@ void addRow(const Image& image, const T* numbers, std::size_t layer, std::size_t
         const double value = valueAt(x);
         std::size_t end = x + 1;
         while (end < size[0] && valueAt(end) == value) ++end;
-        if (!(std::fabs(value) < 1e9) || value != std::floor(value)) {
+        if (!(std::fabs(value) < kLargestLabel) || value != std::floor(value)) {
             tally.whole = false;
             return;
         }
