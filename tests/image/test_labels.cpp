@@ -127,7 +127,7 @@ TEST_CASE("an image of two values has the volume of its voxels at any threshold 
               Approx(voxels).epsilon(0.005));
 }
 
-TEST_CASE("thin parts that a threshold loses are told of") {
+TEST_CASE("a warning tells how much of thin parts a threshold loses") {
     // A plate one voxel thick between values that fall off beside it.
     const Image image = imageOf<std::uint8_t>(NumberType::u8, 20, [](const Vec<3>& p) {
         return p[0] == 9 ? 200 : p[0] == 8 || p[0] == 10 ? 20 : 0;

@@ -67,14 +67,14 @@ std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<La
 std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<LabelCount>& labels,
                                         const std::vector<LabelPart>& parts);
 
-/// Warns of a surface whose volume is not that of so many voxels up to 10 %: of parts as thin as a
-/// voxel. @param what  it is the surface of
+/// Warns of a surface whose volume differs by more than 10 % from the volume of its voxels, as
+/// around thin parts. @param what  has the surface
 void warnOfVolume(const TriangleMesh& mesh, const ImageGrid& grid, std::size_t voxels,
                   const std::string& what, const Callbacks& callbacks);
 
 /// The surface around the values of at least `threshold`, mm, placed between voxels by their
-/// values; of an image of two values that of a label. Values that are not numbers are outside, and
-/// a warning counts them; another is that of `warnOfVolume`.
+/// values; an image of two values has the surface of a label. Values that are not numbers are
+/// outside, with a warning that counts them; `warnOfVolume` adds another.
 /// @throws InputError if all values or none are that high; ResourceError
 TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path,
                               const Callbacks& callbacks = {});
