@@ -131,6 +131,6 @@ TEST_CASE("DICOM: frames without positions need distances that are stated or set
     CHECK_THAT(refusalOf(path), Contains("axis 3; set"));
     writeBytes(path, frames.set(0x18, 0x88, "DS", "4").file());
     CHECK(readImage(path).grid.spacing() == Vec<3>{{0.5, 0.7, 4}});
-    writeBytes(path, frames.set(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.66.4").file());
-    CHECK_THAT(refusalOf(path), Contains("segmentation object"));
+    writeBytes(path, frames.set(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.66.5").file());
+    CHECK_THAT(refusalOf(path), Contains("surface segmentation"));
 }

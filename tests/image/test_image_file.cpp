@@ -263,54 +263,6 @@ TEST_CASE("labels are found by value, by name and in layers") {
     for (const auto& mesh : meshes) CHECK_FALSE(mesh.triangles.empty());
 }
 
-TEST_CASE("slices of a stack are in the order of their numbers") {
-    const TemporaryFolder folder;
-    // A small TIFF: one strip of 2 x 2 bytes, 100 pixels a cm.
-    const auto writeTiff = [&](const std::string& name, std::uint8_t value) {
-        std::string bytes = std::string("II*\0\x14\0\0\0", 8) +
-                            std::string(4, static_cast<char>(value)) +
-                            std::string("\x64\0\0\0\1\0\0\0", 8);
-        const auto entry = [&](std::uint16_t tag, std::uint16_t type, std::uint32_t number) {
-            const std::uint32_t one = 1;
-            bytes.append(reinterpret_cast<const char*>(&tag), 2);
-            bytes.append(reinterpret_cast<const char*>(&type), 2);
-            bytes.append(reinterpret_cast<const char*>(&one), 4);
-            bytes.append(reinterpret_cast<const char*>(&number), 4);
-        };
-        bytes += std::string("\x0b\0", 2);
-        entry(256, 4, 2);
-        entry(257, 4, 2);
-        entry(258, 3, 8);
-        entry(259, 3, 1);
-        entry(262, 3, 1);
-        entry(273, 4, 8);
-        entry(278, 4, 2);
-        entry(279, 4, 4);
-        entry(282, 5, 12);
-        entry(283, 5, 12);
-        entry(296, 3, 3);
-        writeBytes(folder.file(name), bytes + std::string(4, '\0'));
-    };
-    for (int k = 1; k <= 12; ++k)
-        writeTiff("s" + std::to_string(k) + ".tif", static_cast<std::uint8_t>(k));
-    ImageReadOptions options;
-    options.spacing = {{0.5, 0.5, 2}};
-    for (const char* which : {"", "s*.tif"}) {
-        const Image image = readImage(folder.file(which), options);
-        REQUIRE(image.grid.size == std::array<std::size_t, 3>{2, 2, 12});
-        CHECK(image.grid.step[2] == Vec<3>{{0, 0, 2}});
-        for (std::size_t k = 0; k < 12; ++k)
-            CHECK(std::to_integer<int>(image.bytes[4 * k]) == static_cast<int>(k) + 1);
-        CHECK_THAT(messageFor(folder.file(which)), Contains("voxelSpacing"));
-        std::string warning;
-        options.spacing.reset();
-        options.callbacks.warning = [&](const std::string& text) { warning = text; };
-        CHECK_THROWS_AS(readImage(folder.file(which), options), InputError);
-        CHECK_THAT(warning, Contains("0.1 x 0.1 mm"));
-        options.spacing = {{0.5, 0.5, 2}};
-    }
-}
-
 TEST_CASE("label maps are written in the world that they lie in") {
     const TemporaryFolder folder;
     LabelMap map;

@@ -196,6 +196,26 @@ TEST_CASE("the border of an image closes what it cuts with a flat wall") {
     CHECK(checkMesh(mesh).signedVolume == Approx(static_cast<double>(count)).epsilon(0.001));
 }
 
+TEST_CASE("structures one voxel thick have the volume of their voxels") {
+    ImageGrid grid;
+    grid.size = {24, 25, 40};
+    const auto isStrut = [](const Vec<3>& p) { return p[0] == 12 && p[1] == 12 && p[2] > 4; };
+    const auto isPlate = [](const Vec<3>& p) { return p[0] == 12 && p[1] > 4 && p[2] > 4; };
+    const auto isSingle = [](const Vec<3>& p) { return p == Vec<3>{{12, 12, 12}}; };
+    const auto isMixed = [&](const Vec<3>& p) {
+        return isStrut(p) || length(p - Vec<3>{{12, 12, 15}}) < 8;
+    };
+    for (const auto& inside :
+         std::vector<std::function<bool(const Vec<3>&)>>{isStrut, isPlate, isSingle, isMixed}) {
+        const auto voxels = labelled(grid, inside);
+        const double count =
+            static_cast<double>(std::count(voxels.labels.begin(), voxels.labels.end(), 1));
+        CAPTURE(count);
+        const TriangleMesh mesh = surfaceOfLabel(smoothNet(voxels), grid, 1);
+        CHECK(checkMesh(mesh).signedVolume == Approx(count).epsilon(0.006));
+    }
+}
+
 TEST_CASE("mirrored and oblique axes turn a surface and nothing else") {
     const ImageGrid plain = gridAround(11, {{1, 0.8, 1.5}}, {{0.3, 0, 0.1}});
     const auto voxels = labelled(plain, [](const Vec<3>& p) { return length(p) < 10; });

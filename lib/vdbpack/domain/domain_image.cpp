@@ -28,28 +28,29 @@ void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::strin
         }
 }
 
-LabelPart selectedPart(const DomainRecipe& recipe,
-                       const std::optional<std::vector<LabelCount>>& labels) {
+std::vector<LabelCount> requiredLabels(const DomainRecipe& recipe, const Image& image) {
+    const bool asked = !recipe.label.empty();
+    if (const auto labels = labelsOf(image, asked)) return *labels;
+    throw ParameterError(fmt::format(
+        "{}: is no label map, but {}; set `threshold` to the lowest value of bone", recipe.source,
+        asked ? "has values that are not whole numbers, or more than 65,000 different ones"
+              : "has many different values, as grey images do (`label` takes them for labels)"));
+}
+
+LabelPart selectedPart(const DomainRecipe& recipe, const std::vector<LabelCount>& labels) {
     const std::string& path = recipe.source;
-    if (!labels)
-        throw ParameterError(path +
-                             ": is no label map, but has many different values; set `threshold` to "
-                             "the lowest value of bone");
-    const std::string text = recipe.label.empty() && labels->size() <= 1 ? "all" : recipe.label;
+    const std::string text = recipe.label.empty() && labels.size() <= 1 ? "all" : recipe.label;
     if (!text.empty()) {
-        const auto parts = parseLabels(text, *labels, path);
+        const auto parts = parseLabels(text, labels, path);
         if (parts.size() == 1) return parts.front();
         throw ParameterError(
             fmt::format("`label` {}: names {} parts, where a single domain is needed; name one "
                         "label, or join them by +",
                         text, parts.size()));
     }
-    std::string list;
-    for (const LabelCount& label : *labels)
-        list += fmt::format("\n  {}{}{}", label.value, label.name.empty() ? "" : " ", label.name);
     throw ParameterError(
-        fmt::format("{}: has {} labels; set `label` to the one to fill, or several joined by +:{}",
-                    path, labels->size(), list));
+        fmt::format("{}: has {} labels; set `label` to the one to fill, or several joined by +: {}",
+                    path, labels.size(), listOf(labels)));
 }
 
 namespace {
@@ -81,7 +82,9 @@ Image placedImage(const DomainRecipe& recipe, const Callbacks& callbacks, bool u
 }  // namespace
 
 Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
-    return placedImage(recipe, callbacks, false);
+    Image image = placedImage(recipe, callbacks, false);
+    roundLabels(image, recipe.source, callbacks);
+    return image;
 }
 
 void requireThere(const std::string& file) {
@@ -130,10 +133,13 @@ TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                             recipe.source, labels->size()));
         return thresholdSurface(image, *recipe.threshold, recipe.source, callbacks);
     }
-    const auto labels = labelsOf(image);
+    const auto labels = requiredLabels(recipe, image);
     const LabelPart part = selectedPart(recipe, labels);
     warnOfBorder(part, image.grid, recipe.source, callbacks);
-    return std::move(labelSurfaces(image, *labels, {part}).front());
+    TriangleMesh mesh = std::move(labelSurfaces(image, labels, {part}).front());
+    warnOfVolume(mesh, image.grid, part.voxels(), recipe.source + ": label " + part.name,
+                 callbacks);
+    return mesh;
 }
 
 }  // namespace vdbpack

@@ -26,10 +26,12 @@ void requireThere(const std::string& file);
 Image readGreyImage(const std::string& file, const DomainRecipe& domain,
                     const Callbacks& callbacks);
 
+/// The labels of the image of a recipe without threshold. @throws ParameterError if it has none
+std::vector<LabelCount> requiredLabels(const DomainRecipe& recipe, const Image& image);
+
 /// The labels that a recipe selects of an image without threshold.
 /// @param labels  of the image. @throws ParameterError if it selects nothing, or several parts.
-LabelPart selectedPart(const DomainRecipe& recipe,
-                       const std::optional<std::vector<LabelCount>>& labels);
+LabelPart selectedPart(const DomainRecipe& recipe, const std::vector<LabelCount>& labels);
 
 /// Warns of a part that the border of its image cuts off.
 void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::string& path,

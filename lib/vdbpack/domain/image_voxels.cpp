@@ -24,7 +24,7 @@ std::vector<std::uint8_t> solidVoxels(const DomainRecipe& recipe, const Image& i
         mark(0, [&](double value) { return value >= *recipe.threshold; });
         return solid;
     }
-    for (const LabelCount& label : selectedPart(recipe, labelsOf(image)).labels)
+    for (const LabelCount& label : selectedPart(recipe, requiredLabels(recipe, image)).labels)
         mark(label.layer, [&](double value) { return value == static_cast<double>(label.value); });
     return solid;
 }

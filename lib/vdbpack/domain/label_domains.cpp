@@ -8,15 +8,12 @@
 namespace vdbpack {
 
 LabelledImage::LabelledImage(const DomainRecipe& domain, const Callbacks& callbacks)
-    : image_(readDomainImage(domain, callbacks)), labels_(labelsOf(image_)), path_(domain.source) {
-    if (!labels_)
-        throw ParameterError(path_ +
-                             ": is no label map, but has many different values; set `threshold` to "
-                             "the lowest value of bone");
-}
+    : image_(readDomainImage(domain, callbacks)),
+      labels_(requiredLabels(domain, image_)),
+      path_(domain.source) {}
 
 std::vector<LabelPart> LabelledImage::parse(const std::string& text) const {
-    return parseLabels(text, *labels_, path_);
+    return parseLabels(text, labels_, path_);
 }
 
 std::size_t LabelledImage::add(const LabelPart& part, const Callbacks& callbacks) {
@@ -35,7 +32,7 @@ void LabelledImage::makeSurfaces() {
     for (const auto& [layer, members] : layers) {
         std::vector<LabelPart> some;
         for (const std::size_t p : members) some.push_back(parts_[p]);
-        auto meshes = labelSurfaces(image_, *labels_, some);
+        auto meshes = labelSurfaces(image_, labels_, some);
         for (std::size_t k = 0; k < members.size(); ++k)
             surfaces_[members[k]] = std::move(meshes[k]);
     }
@@ -44,6 +41,9 @@ void LabelledImage::makeSurfaces() {
 
 DomainSource LabelledImage::source(const DomainRecipe& domain, std::size_t part,
                                    const Callbacks& callbacks) {
+    const LabelPart& one = parts_[part];
+    warnOfVolume(surfaces_[part], image_.grid, one.voxels(), path_ + ": label " + one.name,
+                 callbacks);
     DomainSource made(domain, std::move(surfaces_[part]), callbacks);
     made.setImageGrid(image_.grid, image_.isSpaced);
     return made;

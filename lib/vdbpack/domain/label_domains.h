@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -37,7 +36,7 @@ public:
 
 private:
     Image image_;
-    std::optional<std::vector<LabelCount>> labels_;
+    std::vector<LabelCount> labels_;
     std::string path_;
     std::vector<LabelPart> parts_;
     std::set<std::pair<std::size_t, std::int64_t>> used_;

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/image/dicom_check.h"
+#include "vdbpack/image/dicom_segments.h"
 #include "vdbpack/image/dicom_slices.h"
 #include "vdbpack/image/image_axes.h"
 
@@ -43,30 +44,6 @@ std::vector<std::string> seriesIn(const std::string& folder, const ImageReadOpti
             fmt::format("{}: has {} series of images; move each into a folder of its own:{}",
                         folder, series.size(), list));
     return series.begin()->second;
-}
-
-void requireAlike(const DicomSlice& slice, const DicomSlice& first) {
-    if (slice.size != first.size)
-        throw InputError(
-            fmt::format("{}: has {} x {} pixels, {} has {} x {}; give slices of one "
-                        "series",
-                        slice.name(), slice.size[0], slice.size[1], first.name(), first.size[0],
-                        first.size[1]));
-    for (std::size_t axis = 0; axis < 2; ++axis)
-        if (length(slice.along[axis] - first.along[axis]) > 1e-3 ||
-            std::fabs(slice.spacing.c[axis] - first.spacing.c[axis]) > 1e-3 * first.spacing.c[axis])
-            throw InputError(fmt::format(
-                "{}: its pixels do not lie along those of {}; give slices of one series",
-                slice.name(), first.name()));
-    if (slice.stack != first.stack)
-        throw InputError(fmt::format(
-            "{}: is of stack {}, {} of stack {}; the file has several volumes: write each into a "
-            "file of its own",
-            slice.name(), slice.stack, first.name(), first.stack));
-    if (slice.placed != first.placed || slice.oriented != first.oriented)
-        throw InputError(fmt::format(
-            "{} and {}: one of them does not state where it lies; give slices of one series",
-            first.name(), slice.name()));
 }
 
 /// "0, 2, 10 mm"
@@ -115,9 +92,57 @@ Vec<3> sortAlong(std::vector<DicomSlice>& slices, const Vec<3>& across) {
     return step;
 }
 
-/// The grid of slices, which are sorted. @param isSpaced  set to whether they state all distances
-ImageGrid gridOf(std::vector<DicomSlice>& slices, const ImageReadOptions& options,
-                 const std::string& path, bool& isSpaced) {
+/// Reads the pixels of one file into the slices of an image.
+/// @param numbers  of its slices among `slices`
+void readFile(const std::vector<DicomSlice>& slices, const std::vector<std::size_t>& numbers,
+              Image& image) {
+    const DicomSlice& any = slices[numbers.front()];
+    const std::size_t pixels = any.size[0] * any.size[1];
+    const std::size_t bytes = pixels * bytesOf(any.type);
+    const auto own = voxelMemory(bytes);
+    if (!own) throw ResourceError(any.file + ": its pixels take more memory than there is");
+    const std::vector<char> buffer = pixelsOf(any);
+    for (const std::size_t z : numbers) {
+        const char* const from = buffer.data() + slices[z].frame * bytes;
+        std::byte* const to = image.bytes.get() + z * pixels * bytesOf(image.type);
+        if (image.type == any.type) {
+            std::memcpy(to, from, bytes);
+            continue;
+        }
+        std::memcpy(own.get(), from, bytes);
+        toFloats(any.type, own, pixels, slices[z].slope, slices[z].intercept,
+                 reinterpret_cast<float*>(to));
+    }
+}
+
+}  // namespace
+
+void requireAlike(const DicomSlice& slice, const DicomSlice& first) {
+    if (slice.size != first.size)
+        throw InputError(
+            fmt::format("{}: has {} x {} pixels, {} has {} x {}; give slices of one "
+                        "series",
+                        slice.name(), slice.size[0], slice.size[1], first.name(), first.size[0],
+                        first.size[1]));
+    for (std::size_t axis = 0; axis < 2; ++axis)
+        if (length(slice.along[axis] - first.along[axis]) > 1e-3 ||
+            std::fabs(slice.spacing.c[axis] - first.spacing.c[axis]) > 1e-3 * first.spacing.c[axis])
+            throw InputError(fmt::format(
+                "{}: its pixels do not lie along those of {}; give slices of one series",
+                slice.name(), first.name()));
+    if (slice.stack != first.stack)
+        throw InputError(fmt::format(
+            "{}: is of stack {}, {} of stack {}; the file has several volumes: write each into a "
+            "file of its own",
+            slice.name(), slice.stack, first.name(), first.stack));
+    if (slice.placed != first.placed || slice.oriented != first.oriented)
+        throw InputError(fmt::format(
+            "{} and {}: one of them does not state where it lies; give slices of one series",
+            first.name(), slice.name()));
+}
+
+ImageGrid gridOfSlices(std::vector<DicomSlice>& slices, const ImageReadOptions& options,
+                       const std::string& path, bool& isSpaced) {
     const DicomSlice first = slices.front();
     for (const DicomSlice& slice : slices) requireAlike(slice, first);
     if (slices.size() == 1)
@@ -145,38 +170,18 @@ ImageGrid gridOf(std::vector<DicomSlice>& slices, const ImageReadOptions& option
     return grid;
 }
 
-/// Reads the pixels of one file into the slices of an image.
-/// @param numbers  of its slices among `slices`
-void readFile(const std::vector<DicomSlice>& slices, const std::vector<std::size_t>& numbers,
-              Image& image) {
-    const DicomSlice& any = slices[numbers.front()];
+std::vector<char> pixelsOf(const DicomSlice& any) {
     gdcm::ImageReader reader;
     reader.SetFileName(any.file.c_str());
-    const std::size_t pixels = any.size[0] * any.size[1];
-    const std::size_t bytes = pixels * bytesOf(any.type);
-    const auto own = voxelMemory(bytes);
-    std::vector<char> buffer(bytes * any.frames);
-    if (!own) throw ResourceError(any.file + ": its pixels take more memory than there is");
+    std::vector<char> buffer(any.size[0] * any.size[1] * bytesOf(any.type) * any.frames);
     if (!reader.Read() || reader.GetImage().GetBufferLength() != buffer.size() ||
         reader.GetImage().GetPixelFormat().GetPixelSize() != bytesOf(any.type) ||
         !reader.GetImage().GetBuffer(buffer.data()))
         throw InputError(any.file +
                          ": its pixels cannot be decoded; convert it to explicit little "
                          "endian (1.2.840.10008.1.2.1)");
-    for (const std::size_t z : numbers) {
-        const char* const from = buffer.data() + slices[z].frame * bytes;
-        std::byte* const to = image.bytes.get() + z * pixels * bytesOf(image.type);
-        if (image.type == any.type) {
-            std::memcpy(to, from, bytes);
-            continue;
-        }
-        std::memcpy(own.get(), from, bytes);
-        toFloats(any.type, own, pixels, slices[z].slope, slices[z].intercept,
-                 reinterpret_cast<float*>(to));
-    }
+    return buffer;
 }
-
-}  // namespace
 
 Image readDicom(const std::string& path, const ImageReadOptions& options) {
     gdcm::Trace::DebugOff();
@@ -192,8 +197,9 @@ Image readDicom(const std::string& path, const ImageReadOptions& options) {
         for (const DicomSlice& slice : dicomSlices(file)) slices.push_back(slice);
         bytes += sizeOf(file);
     }
+    if (slices.front().segmented) return readSegments(path, slices, options);
     bool isSpaced = true;
-    const ImageGrid grid = gridOf(slices, options, path, isSpaced);
+    const ImageGrid grid = gridOfSlices(slices, options, path, isSpaced);
     const DicomSlice& first = slices.front();
     const bool alike = std::all_of(slices.begin(), slices.end(), [&](const DicomSlice& s) {
         return s.type == first.type && s.slope == first.slope && s.intercept == first.intercept;

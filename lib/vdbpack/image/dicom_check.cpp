@@ -86,12 +86,13 @@ public:
         if (!kind.dicom) return kind;
         const std::uint64_t begin = walkMeta();
         walkElements(begin, file_.size(), false, implicit_, 0);
-        if (startsWith(values_[0x00080016], "1.2.840.10008.5.1.4.1.1.66."))
+        if (values_[0x00080016] == "1.2.840.10008.5.1.4.1.1.66.5")
             file_.fail(
-                "is a DICOM segmentation object, which is not read; convert it to .nrrd or .nii "
-                "with 3D Slicer or dcmqi's segimage2itkimage");
+                "is a DICOM surface segmentation, which is not read; convert it to .stl or .ply "
+                "with 3D Slicer");
         kind.image = pixels_.tag == kPixels || values_.count(kRows) > 0;
         if (kind.image) checkPixels();
+        kind.pixels = packed_ ? 0 : pixels_.value;
         for (const std::uint32_t tag :
              {0x0020000eU, 0x00200011U, 0x00180024U, 0x00180050U, kRows, kColumns})
             kind.series += values_[tag] + '\n';
@@ -262,15 +263,20 @@ private:
         require(kColumns, columns > 0);
         require(kSamples, samples == 1 || samples == 3);
         require(kFrames, frames > 0 && frames < 65536);
-        require(kAllocated, allocated == 8 || allocated == 16 || allocated == 32);
+        const bool ofBits = allocated == 1 && isDicomSegmentation(values_.at(0x00080016));
+        require(kAllocated, allocated == 8 || allocated == 16 || allocated == 32 || ofBits);
         require(kStored, stored > 0 && stored <= allocated);
         require(kHigh, one(kHigh, stored - 1) + 1 == stored);
         require(kSign, one(kSign, 0) <= 1);
-        const std::uint64_t bytes = rows * columns * samples * frames * (allocated / 8);
+        const std::uint64_t bytes = (rows * columns * samples * frames * allocated + 7) / 8;
         if (pixels_.tag != kPixels || (!packed_ && pixels_.length < bytes))
             file_.fail("ends before its last pixel; it is damaged or incomplete");
         if (packed_ != (pixels_.length == kUnknown))
             file_.fail("its pixels are not encoded as it says; it is damaged");
+        if (packed_ && ofBits)
+            file_.fail(
+                "its pixels of one bit are encoded; convert it to explicit little endian (1.2.840."
+                "10008.1.2.1)");
         if (packed_)
             checkPackedPixels(file_, values_.at(kSyntax), fragments_,
                               {rows, columns, samples, allocated});
@@ -288,6 +294,10 @@ private:
 };
 
 }  // namespace
+
+bool isDicomSegmentation(const std::string& sopClass) {
+    return sopClass == "1.2.840.10008.5.1.4.1.1.66.4" || sopClass == "1.2.840.10008.5.1.4.1.1.66.7";
+}
 
 DicomKind checkDicom(const std::string& path) {
     return DicomWalk(path).kind();

@@ -1,6 +1,7 @@
 #include "vdbpack/image/dicom_slices.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/image/dicom_check.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
 
@@ -16,22 +17,31 @@ namespace vdbpack {
 
 namespace {
 
-// Source: DICOM PS3.3, C.7.6.2 and C.7.6.16 (functional groups), C.8.8.3.2 (offsets of doses).
+// Source: DICOM PS3.3, C.7.6.2 and C.7.6.16 (functional groups), C.8.8.3.2 (offsets of doses),
+// C.8.20 (segmentations).
 using Items = gdcm::SmartPointer<gdcm::SequenceOfItems>;
 const gdcm::Tag kMeasures(0x0028, 0x9110), kOrientation(0x0020, 0x9116), kPosition(0x0020, 0x9113),
-    kContent(0x0020, 0x9111), kTransformation(0x0028, 0x9145);
+    kContent(0x0020, 0x9111), kTransformation(0x0028, 0x9145), kSegment(0x0062, 0x000a);
 
 Items itemsOf(const gdcm::DataSet& set, const gdcm::Tag& tag) {
     return set.FindDataElement(tag) ? set.GetDataElement(tag).GetValueAsSQ() : Items();
 }
 
-/// The text of an element; empty where it is absent.
-std::string textOf(const gdcm::DataSet& set, const gdcm::Tag& tag) {
+/// The bytes of an element; empty where it is absent.
+std::string_view bytesIn(const gdcm::DataSet& set, const gdcm::Tag& tag) {
     const gdcm::ByteValue* const value =
         set.FindDataElement(tag) ? set.GetDataElement(tag).GetByteValue() : nullptr;
-    if (!value) return {};
-    const std::string_view text(value->GetPointer(), value->GetLength());
-    return std::string(trimmed(text.substr(0, text.find('\0'))));
+    return value ? std::string_view(value->GetPointer(), value->GetLength()) : std::string_view();
+}
+
+/// A number in two bytes, else 0; files in big endian are not read.
+std::size_t shortOf(std::string_view bytes) {
+    if (bytes.size() != 2) return 0;
+    return unsignedNumber(reinterpret_cast<const unsigned char*>(bytes.data()), 2, false);
+}
+
+std::string textOf(std::string_view bytes) {
+    return std::string(trimmed(bytes.substr(0, bytes.find('\0'))));
 }
 
 /// The elements of a file but its pixels.
@@ -56,17 +66,20 @@ public:
     bool hasOwnGroups() const { return own_; }
 
     /// What a frame says in a functional group, else all frames, else the file.
-    std::string text(std::size_t frame, const gdcm::Tag& group, const gdcm::Tag& tag) const {
+    std::string_view bytes(std::size_t frame, const gdcm::Tag& group, const gdcm::Tag& tag) const {
         for (const bool own : {true, false}) {
             const Items& groups = own ? own_ : shared_;
             const std::size_t item = own ? frame + 1 : 1;
             if (!groups || groups->GetNumberOfItems() < item) continue;
             const Items in = itemsOf(groups->GetItem(item).GetNestedDataSet(), group);
             if (!in || in->GetNumberOfItems() == 0) continue;
-            const std::string found = textOf(in->GetItem(1).GetNestedDataSet(), tag);
+            const std::string_view found = bytesIn(in->GetItem(1).GetNestedDataSet(), tag);
             if (!found.empty()) return found;
         }
-        return textOf(top(), tag);
+        return bytesIn(top(), tag);
+    }
+    std::string text(std::size_t frame, const gdcm::Tag& group, const gdcm::Tag& tag) const {
+        return textOf(bytes(frame, group, tag));
     }
 
     /// Finite numbers; none where so many are not stated. @param count  how many, 0: any
@@ -87,18 +100,10 @@ public:
         return list.empty() ? otherwise : list.front();
     }
 
-    /// A number in two bytes; files in big endian are not read.
-    std::size_t shortNumber(const gdcm::Tag& tag) const {
-        const gdcm::ByteValue* const value =
-            top().FindDataElement(tag) ? top().GetDataElement(tag).GetByteValue() : nullptr;
-        if (!value || value->GetLength() != 2) return 0;
-        return unsignedNumber(reinterpret_cast<const unsigned char*>(value->GetPointer()), 2,
-                              false);
-    }
-
-private:
+    std::size_t shortNumber(const gdcm::Tag& tag) const { return shortOf(bytes(0, {}, tag)); }
     const gdcm::DataSet& top() const { return reader_.GetFile().GetDataSet(); }
 
+private:
     std::string file_;
     gdcm::Reader reader_;
     std::size_t frames_ = 1;
@@ -118,6 +123,8 @@ void setPlace(DicomSlice& slice, const DicomHeader& header) {
     // Rows come first in the file, columns in an image.
     const auto pixels = header.numbers(k, kMeasures, {0x0028, 0x0030}, 2);
     if (!pixels.empty()) slice.spacing = {{pixels[1], pixels[0]}};
+    const auto between = header.numbers(k, kMeasures, {0x0018, 0x0088}, 1);
+    if (!between.empty()) slice.between = std::max(0.0, between[0]);
     const auto position = header.numbers(k, kPosition, {0x0020, 0x0032}, 3);
     slice.placed = !position.empty();
     if (slice.placed) slice.position = vec(position, 0);
@@ -139,6 +146,22 @@ void setOffsets(std::vector<DicomSlice>& slices, const DicomHeader& header) {
 
 }  // namespace
 
+DicomSegments dicomSegments(const std::string& file) {
+    const DicomHeader header(file);
+    DicomSegments segments;
+    segments.ofBits = header.shortNumber({0x0028, 0x0100}) == 1;
+    if (header.text(0, {}, {0x0062, 0x0001}) == "FRACTIONAL")
+        segments.whole = std::max(std::size_t{1}, header.shortNumber({0x0062, 0x000e}));
+    const Items items = itemsOf(header.top(), {0x0062, 0x0002});
+    for (std::size_t i = 1; items && i <= items->GetNumberOfItems(); ++i) {
+        const gdcm::DataSet& item = items->GetItem(i).GetNestedDataSet();
+        segments.names.push_back(
+            {textOf(bytesIn(item, {0x0062, 0x0005})),
+             static_cast<std::int64_t>(shortOf(bytesIn(item, {0x0062, 0x0004}))), 0});
+    }
+    return segments;
+}
+
 std::string DicomSlice::name() const {
     return frames > 1 ? fmt::format("{}, frame {}", file, frame + 1) : file;
 }
@@ -151,14 +174,24 @@ std::vector<DicomSlice> dicomSlices(const std::string& file) {
     slice.size = {header.shortNumber({0x0028, 0x0011}), header.shortNumber({0x0028, 0x0010})};
     const bool isSigned = header.shortNumber({0x0028, 0x0103}) == 1;
     slice.type = *numberTypeNamed(
-        fmt::format("{}{}", isSigned ? "int" : "uint", header.shortNumber({0x0028, 0x0100})));
+        fmt::format("{}{}", isSigned ? "int" : "uint",
+                    std::max(std::size_t{8}, header.shortNumber({0x0028, 0x0100}))));
+    slice.segmented = isDicomSegmentation(header.text(0, {}, {0x0008, 0x0016}));
+    const bool isLabelMap = header.text(0, {}, {0x0062, 0x0001}) == "LABELMAP";
     if (header.shortNumber({0x0028, 0x0002}) > 1 ||
-        startsWith(header.text(0, {}, {0x0028, 0x0004}), "PALETTE"))
+        (startsWith(header.text(0, {}, {0x0028, 0x0004}), "PALETTE") && !slice.segmented))
         throw InputError(file +
                          ": has several values at each pixel, such as colors; convert it to one");
     std::vector<DicomSlice> slices;
     for (slice.frame = 0; slice.frame < slice.frames; ++slice.frame) {
         setPlace(slice, header);
+        slice.segment =
+            isLabelMap ? 0 : shortOf(header.bytes(slice.frame, kSegment, {0x0062, 0x000b}));
+        if (slice.segmented && !isLabelMap && slice.segment == 0)
+            throw InputError(slice.name() +
+                             ": does not state its segment (ReferencedSegmentNumber); convert the "
+                             "file to .nrrd or "
+                             ".nii with 3D Slicer or dcmqi's segimage2itkimage");
         slice.stack = header.text(slice.frame, kContent, {0x0020, 0x9056});
         // Also of the kinds of images to which the standard gives no scale but of doses.
         auto slope = header.numbers(slice.frame, kTransformation, {0x0028, 0x1053}, 1);

@@ -24,7 +24,36 @@ bool isTiff(const std::string& path) {
     return extension == ".tif" || extension == ".tiff";
 }
 
-void checkTiffPages(const std::string& path) {
+namespace {
+
+/// Takes what an entry of a page says of its pixels.
+void takeEntry(const InputFile& file, std::uint64_t at, bool bigEndian, bool big,
+               TiffPixels& pixels) {
+    const std::uint64_t tag = file.numberAt(at, 2, bigEndian);
+    const std::size_t width = file.numberAt(at + 2, 2, bigEndian) == 3 ? 2 : 4;
+    const std::uint64_t value = file.numberAt(at + (big ? 12 : 8), width, bigEndian);
+    if (tag == 258) pixels.bits = value;
+    if (tag == 262) pixels.color = value;
+    if (tag == 277) pixels.samples = value;
+    if (tag == 339) pixels.number = value;
+    if (tag == 322) pixels.tiled = true;
+}
+
+/// Refuses grey pixels that ITK would take for colors or not read at all.
+void requireReadable(const InputFile& file, const TiffPixels& p) {
+    if (!p.isGrey() || p.bits == 1 || (p.bits == 8 && (p.number == 1 || !p.tiled))) return;
+    if (p.tiled)
+        file.fail(fmt::format(
+            "is tiled and has {} bits a pixel, where tiles are read of 1 and 8; rewrite it "
+            "in strips (`tiffcp -s`)",
+            p.bits));
+    if (p.bits != 16 && p.bits != 32 && p.bits != 64)
+        file.fail(fmt::format("has {} bits a pixel; convert it to 8 or 16", p.bits));
+}
+
+}  // namespace
+
+TiffPixels checkTiffPages(const std::string& path) {
     constexpr std::size_t kMostPages = 65535;
     const InputFile file(path);
     char mark[2] = {};
@@ -37,14 +66,20 @@ void checkTiffPages(const std::string& path) {
     const std::size_t width = big ? 8 : 4;
     std::uint64_t offset = file.numberAt(big ? 8 : 4, width, bigEndian);
     std::set<std::uint64_t> pages;
+    TiffPixels pixels;
     while (offset != 0) {
         if (!pages.insert(offset).second || pages.size() > kMostPages)
             file.failAtByte(offset, "pages refer to each other in a circle; it is damaged");
         const std::uint64_t entries = file.numberAt(offset, big ? 8 : 2, bigEndian);
         if (entries > 65535) file.failAtByte(offset, "a page has too many entries; it is damaged");
-        offset += big ? 8 + 20 * entries : 2 + 12 * entries;
-        offset = file.numberAt(offset, width, bigEndian);
+        offset += big ? 8 : 2;
+        const std::uint64_t size = big ? 20 : 12;
+        for (std::uint64_t i = 0; pages.size() == 1 && i < entries; ++i)
+            takeEntry(file, offset + i * size, bigEndian, big, pixels);
+        offset = file.numberAt(offset + entries * size, width, bigEndian);
     }
+    requireReadable(file, pixels);
+    return pixels;
 }
 
 std::array<bool, 3> checkNiftiHeader(const std::string& path) {

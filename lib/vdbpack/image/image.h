@@ -5,6 +5,7 @@
 #include "vdbpack/io/byte_order.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -34,6 +35,7 @@ struct Image {
     /// Of all values in this machine's order; copies of an image share them.
     std::shared_ptr<std::byte[]> bytes;
     double slope = 1, intercept = 0;  ///< value = slope * number + intercept
+    bool isRounded = false;           ///< each value is the nearest whole number to that
     std::vector<LabelName> names;     ///< empty: the file has none
     std::string format;               ///< such as "NIfTI"
     bool isSpaced = true;             ///< the file states the distances of its voxels
@@ -43,7 +45,8 @@ struct Image {
     /// What a number of the file stands for.
     template <class T>
     double value(T number) const {
-        return slope * static_cast<double>(number) + intercept;
+        const double exact = slope * static_cast<double>(number) + intercept;
+        return isRounded ? std::round(exact) : exact;
     }
     /// Calls `work(numbers)` with the array in its own type.
     template <class Work>

@@ -13,6 +13,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <map>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -69,6 +72,58 @@ std::vector<std::string> tiffFiles(const std::filesystem::path& folder,
     return files;
 }
 
+/// The text of a name with # for each number, and the numbers.
+std::pair<std::string, std::vector<double>> partsOf(const std::string& name) {
+    std::pair<std::string, std::vector<double>> parts;
+    for (std::size_t i = 0; i < name.size();) {
+        std::size_t end = i;
+        while (end < name.size() && name[end] >= '0' && name[end] <= '9') ++end;
+        if (end > i) parts.second.push_back(std::stod(name.substr(i, end - i)));
+        parts.first.push_back(end > i ? '#' : name[i]);
+        i = std::max(end, i + 1);
+    }
+    return parts;
+}
+
+/// Refuses files, in order, of whose numbers some are missing, and others among numbered ones.
+void checkNumbers(const std::vector<std::string>& files) {
+    const auto nameOf = [](const std::string& file) {
+        return std::filesystem::path(file).filename().string();
+    };
+    std::map<std::string, std::vector<std::string>> groups;
+    for (const std::string& file : files) groups[partsOf(nameOf(file)).first].push_back(file);
+    if (groups.size() == files.size()) return;  // not numbered
+    const auto slices = std::max_element(
+        groups.begin(), groups.end(),
+        [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    for (const auto& [text, members] : groups)
+        if (text != slices->first)
+            throw InputError(
+                fmt::format("{}: is not named as the other slices, such as {}; take it out of the "
+                            "folder, or give a pattern of names that it does not match",
+                            members.front(), slices->second.front()));
+    std::vector<std::vector<double>> numbers;
+    for (const std::string& file : files) numbers.push_back(partsOf(nameOf(file)).second);
+    std::string missing;
+    for (std::size_t at = numbers.front().size(); at-- > 0;) {
+        double least = std::numeric_limits<double>::infinity(), most = 0;
+        std::size_t where = 1;  // the largest gap ends there
+        for (std::size_t k = 1; k < files.size(); ++k) {
+            const double gap = numbers[k][at] - numbers[k - 1][at];
+            least = std::min(least, gap);
+            if (gap > most) where = k;
+            most = std::max(most, gap);
+        }
+        if (least > 0 && most == least) return;  // counts the slices
+        if (least > 0)
+            missing = fmt::format(
+                "{} and {}: are {:.0f} apart, other files {:.0f}: number {:.0f} is missing; "
+                "add it, or number the files without gaps if no slice is missing",
+                files[where - 1], files[where], most, least, numbers[where - 1][at] + least);
+    }
+    if (!missing.empty()) throw InputError(missing);
+}
+
 bool isFolder(const std::string& path) {
     std::error_code ignored;
     return std::filesystem::is_directory(path, ignored);
@@ -108,12 +163,15 @@ Image readImage(const std::string& path, const ImageReadOptions& options) {
                     (*options.spacing)[0], (*options.spacing)[1], (*options.spacing)[2]));
     if (isFolder(path)) {
         const auto files = tiffFiles(path, "*");
-        return files.empty() ? readDicom(path, options) : readTiffStack(files, options);
+        if (files.empty()) return readDicom(path, options);
+        checkNumbers(files);
+        return readTiffStack(files, options);
     }
     if (isPattern(path)) {
         const std::filesystem::path pattern = path;
         const auto files = tiffFiles(pattern.parent_path(), pattern.filename().string());
         if (files.empty()) throw IoError(path + ": no file has such a name");
+        checkNumbers(files);
         return readTiffStack(files, options);
     }
     std::error_code ignored;

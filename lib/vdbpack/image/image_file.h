@@ -27,7 +27,8 @@ struct ImageReadOptions {
 /// sform is used, else the qform. Direction cosines that are perpendicular up to 1e-3 are made so
 /// (with a warning above 1e-5); axes that are sheared by more are kept as they are, with a warning.
 /// Slices and frames of DICOM are placed by their positions, which must be evenly spaced. TIFF
-/// stacks are sorted by the numbers in their names.
+/// stacks are sorted by the numbers in their names, which must follow in even steps. Segments of
+/// DICOM segmentations are labels with names, those that overlap in layers of their own.
 ///
 /// @throws InputError for content that is no image or cannot be placed, IoError if a file cannot be
 /// read, ParameterError for a useless `spacing` or where the build has no image libraries,

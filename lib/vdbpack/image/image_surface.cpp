@@ -11,22 +11,25 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 namespace vdbpack {
 
 namespace {
 
-constexpr std::size_t kMostLabels = 1000;
-/// More labels than these, of which neighbors are seldom equal, are grey values.
+/// `LabelVoxels` count by 16 bits.
+constexpr std::size_t kMostLabels = 65000;
+/// Whole numbers below it are exact.
+constexpr double kLargestLabel = 9e15;
+/// Of more labels than these, what neighbors have tells whether they are grey values.
 constexpr std::size_t kFewLabels = 20;
 /// Voxels around a selection that are looked at with it: its neighbors shape its surface.
 constexpr std::size_t kMargin = 3;
 
-/// What a thread found of a layer; stretches are voxels along a row that have the same value.
+/// What rows of a layer have.
 struct Tally {
     std::map<std::int64_t, LabelCount> counts;
-    std::size_t stretches = 0;
-    bool whole = true;
+    bool whole = true;  ///< and no more values than labels can be
 };
 
 /// Part of a grid, by indices.
@@ -78,14 +81,14 @@ void addRow(const Image& image, const T* numbers, std::size_t layer, std::size_t
         const double value = valueAt(x);
         std::size_t end = x + 1;
         while (end < size[0] && valueAt(end) == value) ++end;
-        if (!(std::fabs(value) < 1e9) || value != std::floor(value)) {
+        if (!(std::fabs(value) < kLargestLabel) || value != std::floor(value)) {
             tally.whole = false;
             return;
         }
         if (value != 0) {
             LabelCount& label = tally.counts[static_cast<std::int64_t>(value)];
             label.voxels += end - x;
-            ++tally.stretches;
+            ++label.stretches;
             const auto y = static_cast<double>(row % size[1]);
             const auto z = static_cast<double>(row / size[1]);
             label.voxelBox.add({{static_cast<double>(x), y, z}});
@@ -96,19 +99,58 @@ void addRow(const Image& image, const T* numbers, std::size_t layer, std::size_t
     }
 }
 
+/// The labels of a layer in every `stride`-th row.
+Tally tallyOf(const Image& image, std::size_t layer, std::size_t stride) {
+    const std::size_t rows = (image.grid.size[1] * image.grid.size[2] + stride - 1) / stride;
+    PerThread<Tally> tallies;
+    image.visit([&](const auto* numbers) {
+        parallelFor(IndexRange(0, rows, 64), [&](const IndexRange& block) {
+            Tally& mine = tallies.local();
+            for (std::size_t row = block.begin(); row < block.end() && mine.whole; ++row)
+                addRow(image, numbers, layer, row * stride, mine);
+        });
+    });
+    Tally all;
+    for (const Tally& mine : tallies) {
+        all.whole = all.whole && mine.whole;
+        for (const auto& [value, count] : mine.counts) {
+            LabelCount& label = all.counts[value];
+            label.value = value;
+            label.layer = layer;
+            label.voxels += count.voxels;
+            label.stretches += count.stretches;
+            label.voxelBox.add(count.voxelBox.lo);
+            label.voxelBox.add(count.voxelBox.hi);
+        }
+    }
+    all.whole = all.whole && all.counts.size() <= kMostLabels;
+    return all;
+}
+
+bool seemsGrey(const Image& image, const Tally& tally) {
+    if (tally.counts.size() < 2) return false;
+    const bool rescaled = !image.isRounded && (image.slope != 1 || image.intercept != 0);
+    if (rescaled || tally.counts.begin()->first < -1) return true;
+    if (tally.counts.size() <= kFewLabels) return false;
+    Box<3> whole;
+    for (const auto& [value, label] : tally.counts) {
+        whole.add(label.voxelBox.lo);
+        whole.add(label.voxelBox.hi);
+    }
+    const auto voxelsIn = [](const Box<3>& box) {
+        return (box.size()[0] + 1) * (box.size()[1] + 1) * (box.size()[2] + 1);
+    };
+    std::size_t seldom = 0, wide = 0;
+    for (const auto& [value, label] : tally.counts) {
+        seldom += label.voxels < 2 * label.stretches;
+        wide += voxelsIn(label.voxelBox) > 0.5 * voxelsIn(whole);
+    }
+    return 2 * std::max(seldom, wide) > tally.counts.size();
+}
+
 /// A value in a layer.
 std::string textOf(const LabelCount& label) {
     return fmt::format("{}@{}", label.value, label.layer);
-}
-
-std::string listOf(const std::vector<LabelCount>& labels) {
-    constexpr std::size_t kMost = 40;
-    std::string text;
-    for (std::size_t i = 0; i < std::min(labels.size(), kMost); ++i) {
-        text += (i > 0 ? ", " : "") + std::to_string(labels[i].value);
-        if (!labels[i].name.empty()) text += " (" + labels[i].name + ")";
-    }
-    return labels.size() > kMost ? text + ", ..." : text;
 }
 
 /// The label with a value or a name.
@@ -144,38 +186,62 @@ const LabelCount& labelOf(const std::string& text, const std::vector<LabelCount>
 
 }  // namespace
 
-std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
-    const auto& size = image.grid.size;
-    PerThread<std::vector<Tally>> tallies([&] { return std::vector<Tally>(image.layers); });
-    image.visit([&](const auto* numbers) {
-        parallelFor(IndexRange(0, size[1] * size[2], 64), [&](const IndexRange& rows) {
-            auto& mine = tallies.local();
-            for (std::size_t layer = 0; layer < image.layers; ++layer)
-                for (std::size_t row = rows.begin(); row < rows.end() && mine[layer].whole; ++row)
-                    addRow(image, numbers, layer, row, mine[layer]);
-        });
-    });
-    std::vector<LabelCount> labels;
-    for (std::size_t layer = 0; layer < image.layers; ++layer) {
-        std::map<std::int64_t, LabelCount> all;
-        std::size_t stretches = 0, voxels = 0;
-        for (const auto& mine : tallies) {
-            if (!mine[layer].whole) return std::nullopt;
-            stretches += mine[layer].stretches;
-            for (const auto& [value, count] : mine[layer].counts) {
-                voxels += count.voxels;
-                LabelCount& label = all[value];
-                label.value = value;
-                label.layer = layer;
-                label.voxels += count.voxels;
-                label.voxelBox.add(count.voxelBox.lo);
-                label.voxelBox.add(count.voxelBox.hi);
-            }
-        }
-        if (all.size() > kMostLabels) return std::nullopt;
-        if (all.size() > kFewLabels && voxels < 2 * stretches) return std::nullopt;
-        for (const auto& [value, label] : all) labels.push_back(label);
+std::string listOf(const std::vector<LabelCount>& labels) {
+    constexpr std::size_t kMost = 40;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(labels.size(), kMost); ++i) {
+        text += (i > 0 ? ", " : "") + std::to_string(labels[i].value);
+        if (!labels[i].name.empty()) text += " (" + labels[i].name + ")";
     }
+    return labels.size() > kMost ? fmt::format("{} and {} more", text, labels.size() - kMost)
+                                 : text;
+}
+
+void roundLabels(Image& image, const std::string& path, const Callbacks& callbacks) {
+    constexpr std::size_t kMostRounded = 1000;
+    const bool isReal = image.type == NumberType::f32 || image.type == NumberType::f64;
+    if (!isReal && image.slope == 1 && image.intercept == 0) return;
+    std::set<double> values;
+    image.visit([&](const auto* numbers) {
+        for (std::size_t i = 0; i < image.values() && values.size() <= kMostRounded; ++i)
+            if (i == 0 || !(numbers[i] == numbers[i - 1])) {
+                const double value = image.value(numbers[i]);
+                values.insert(std::isfinite(value) ? value : 0.5);
+            }
+    });
+    if (values.empty() || values.size() > kMostRounded) return;
+    const double range = *values.rbegin() - *values.begin();
+    const double most = std::min(0.1, range / 510);
+    double worst = 0, last = *values.begin() - 1;
+    for (const double value : values) {
+        const double off = std::fabs(value - std::round(value));
+        // Two values of one label are but for the rounding of floats the same.
+        const bool same = std::round(value) == std::round(last) && value - last > 1e-5 * range;
+        if (off > most || same) return;
+        if (off > std::fabs(worst - std::round(worst))) worst = value;
+        last = value;
+    }
+    if (worst == 0) return;
+    image.isRounded = true;
+    callbacks.warn(fmt::format(
+        "{}: its values are whole numbers up to {:.2g}, such as {:.6g}; they are rounded to labels",
+        path, std::fabs(worst - std::round(worst)), worst));
+}
+
+std::optional<std::vector<LabelCount>> labelsOf(const Image& image, bool asked) {
+    /// Rows of a layer that are looked at first: most grey images end there.
+    constexpr std::size_t kFirstRows = 4096;
+    const std::size_t rows = image.grid.size[1] * image.grid.size[2];
+    std::vector<LabelCount> labels;
+    for (std::size_t layer = 0; layer < image.layers; ++layer)
+        for (const std::size_t stride : {rows / kFirstRows + 1, std::size_t{1}}) {
+            const Tally tally = tallyOf(image, layer, stride);
+            const bool known = asked || !image.names.empty();
+            if (!tally.whole || (!known && seemsGrey(image, tally))) return std::nullopt;
+            if (stride > 1) continue;
+            for (const auto& [value, label] : tally.counts) labels.push_back(label);
+            break;
+        }
     for (LabelCount& label : labels)
         for (const LabelName& known : image.names)
             if (known.value == label.value && known.layer == label.layer) label.name = known.name;
@@ -200,8 +266,7 @@ std::pair<double, double> valueRange(const Image& image) {
                 return Range{std::min(a.first, b.first), std::max(a.second, b.second)};
             });
     });
-    const double a = image.slope * numbers.first + image.intercept;
-    const double b = image.slope * numbers.second + image.intercept;
+    const double a = image.value(numbers.first), b = image.value(numbers.second);
     return std::minmax(a, b);
 }
 
@@ -213,14 +278,12 @@ std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<La
         const auto nameOf = [](const LabelCount& label) {
             return label.name.empty() ? std::to_string(label.value) : label.name;
         };
+        std::map<std::string, std::size_t> uses;
+        for (const LabelCount& label : labels) ++uses[nameOf(label)];
         for (const LabelCount& label : labels) {
-            const bool shared =
-                std::count_if(labels.begin(), labels.end(), [&](const LabelCount& other) {
-                    return nameOf(other) == nameOf(label);
-                }) > 1;
+            const std::string name = nameOf(label);
             parts.push_back(
-                {shared ? fmt::format("{} ({})", nameOf(label), textOf(label)) : nameOf(label),
-                 {label}});
+                {uses[name] > 1 ? fmt::format("{} ({})", name, textOf(label)) : name, {label}});
         }
         return parts;
     }
@@ -286,23 +349,43 @@ std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<La
     return meshes;
 }
 
+void warnOfVolume(const TriangleMesh& mesh, const ImageGrid& grid, std::size_t voxels,
+                  const std::string& what, const Callbacks& callbacks) {
+    constexpr double kMost = 0.1;
+    double volume = 0;
+    for (const auto& t : mesh.triangles) {
+        const auto at = [&](std::size_t k) { return mesh.vertices[t[k]] - grid.origin; };
+        volume += dot(at(0), cross(at(1), at(2))) / 6;
+    }
+    const double right = static_cast<double>(voxels) * std::fabs(grid.signedVoxelVolume());
+    if (std::fabs(volume - right) > kMost * right)
+        callbacks.warn(fmt::format(
+            "{}: the surface encloses {:.5g} mm³, its {} voxels {:.5g} mm³ ({:+.0f} %): it has "
+            "parts as thin as a voxel; give smaller voxels, or values of 0 and 1, which keep the "
+            "volume of the voxels",
+            what, volume, voxels, right, 100 * (volume / right - 1)));
+}
+
 TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path,
                               const Callbacks& callbacks) {
     LabelVoxels voxels;
     voxels.size = image.grid.size;
     voxels.labels.resize(image.grid.voxels());
+    const std::pair<double, double> range = valueRange(image);
     return image.visit([&](const auto* values) {
         const auto valueAt = [&](std::size_t i) { return image.value(values[i * image.layers]); };
-        std::atomic<std::size_t> inside{0}, unknown{0};
+        std::atomic<std::size_t> inside{0}, unknown{0}, between{0};
         parallelFor(IndexRange(0, voxels.labels.size(), 65536), [&](const IndexRange& block) {
-            std::size_t count = 0, noNumbers = 0;
+            std::size_t count = 0, noNumbers = 0, others = 0;
             for (std::size_t i = block.begin(); i < block.end(); ++i) {
                 const double value = valueAt(i);
                 count += voxels.labels[i] = value >= threshold;
                 noNumbers += std::isnan(value);
+                others += value > range.first && value < range.second;
             }
             inside += count;
             unknown += noNumbers;
+            between += others;
         });
         if (unknown > 0)
             callbacks.warn(
@@ -314,13 +397,21 @@ TriangleMesh thresholdSurface(const Image& image, double threshold, const std::s
                             "to a value between those of bone and of what surrounds it",
                             path, inside == 0 ? "none" : "all", threshold));
         SurfaceNet net = surfaceNet(voxels);
-        interpolate(net, voxels, [&](std::size_t a, std::size_t b) {
-            const double low = valueAt(a), high = valueAt(b);
-            const double share = (threshold - low) / (high - low);
-            // A value that is not a number, or exactly the threshold.
-            return share >= 0 && share <= 1 ? share : 0.5;
-        });
-        return surfaceOf(net, image.grid, [](std::uint16_t label) { return label == 1; });
+        if (between == 0) {
+            smooth(net, voxels.size);
+        } else {
+            interpolate(net, voxels, [&](std::size_t a, std::size_t b) {
+                const double low = valueAt(a), high = valueAt(b);
+                const double share = (threshold - low) / (high - low);
+                // A value that is not a number, or exactly the threshold.
+                return share >= 0 && share <= 1 ? share : 0.5;
+            });
+        }
+        TriangleMesh mesh =
+            surfaceOf(net, image.grid, [](std::uint16_t label) { return label == 1; });
+        warnOfVolume(mesh, image.grid, inside, fmt::format("{}: `threshold` {:g}", path, threshold),
+                     callbacks);
+        return mesh;
     });
 }
 

@@ -19,14 +19,22 @@ struct LabelCount {
     std::int64_t value = 0;
     std::size_t layer = 0;
     std::size_t voxels = 0;
-    Box<3> voxelBox;   ///< of their indices
-    std::string name;  ///< empty: none in the file
+    std::size_t stretches = 0;  ///< of voxels that follow one another along x
+    Box<3> voxelBox;            ///< of their indices
+    std::string name;           ///< empty: none in the file
 };
 
-/// The labels of an image, but for 0, by layer and value; nothing if it is no label map: if its
-/// values are not whole numbers, if there are more than 1,000 different ones, or more than 20 and
-/// neighbors seldom have the same. Cost: about 1 ns a voxel on two threads.
-std::optional<std::vector<LabelCount>> labelsOf(const Image& image);
+/// Takes values for labels that are whole numbers but for rounding, as after a scale of 8 bits: at
+/// most 1,000 different ones, each off by at most 1/510 of their range and by at most 0.1. Sets
+/// `image.isRounded`, with a warning that says how far they are off.
+void roundLabels(Image& image, const std::string& path, const Callbacks& callbacks);
+
+/// The labels of an image, but for 0, by layer and value; nothing if its values are not whole
+/// numbers or more than 65,000 different ones, or seem to be grey values: several that are rescaled
+/// or below -1, or more than 20 most of which seldom follow one another along x, or lie scattered
+/// through half of the image. Names of labels in the file, or `asked`, decide for labels.
+/// Cost: about 1 ns a voxel on two threads.
+std::optional<std::vector<LabelCount>> labelsOf(const Image& image, bool asked = false);
 
 /// The least and the largest value, of those that are numbers.
 std::pair<double, double> valueRange(const Image& image);
@@ -35,7 +43,16 @@ std::pair<double, double> valueRange(const Image& image);
 struct LabelPart {
     std::string name;                ///< as requested
     std::vector<LabelCount> labels;  ///< of one layer
+
+    std::size_t voxels() const {
+        std::size_t sum = 0;
+        for (const LabelCount& label : labels) sum += label.voxels;
+        return sum;
+    }
 };
+
+/// The first 40 labels with their names, and how many more there are.
+std::string listOf(const std::vector<LabelCount>& labels);
 
 /// What a request means: labels by value, by value@layer or by name, joined to one part by "+",
 /// parts separated by
@@ -50,8 +67,14 @@ std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<La
 std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<LabelCount>& labels,
                                         const std::vector<LabelPart>& parts);
 
+/// Warns of a surface whose volume differs by more than 10 % from the volume of its voxels, as
+/// around thin parts. @param what  has the surface
+void warnOfVolume(const TriangleMesh& mesh, const ImageGrid& grid, std::size_t voxels,
+                  const std::string& what, const Callbacks& callbacks);
+
 /// The surface around the values of at least `threshold`, mm, placed between voxels by their
-/// values. Values that are not numbers are outside, and a warning counts them.
+/// values; an image of two values has the surface of a label. Values that are not numbers are
+/// outside, with a warning that counts them; `warnOfVolume` adds another.
 /// @throws InputError if all values or none are that high; ResourceError
 TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path,
                               const Callbacks& callbacks = {});

@@ -112,7 +112,21 @@ bool applyTiffSpacing(ImageGrid& grid, const itk::ImageIOBase& io, const ImageRe
     return applySpacing(grid, options, {false, false, false}, path);
 }
 
-void readVoxels(itk::ImageIOBase& io, const std::string& path, std::byte* to) {
+/// Values of each voxel. ITK takes grey pixels in tiles or of one bit for red, green, blue and
+/// opacity, where all three are the grey value.
+std::size_t layersOf(const itk::ImageIOBase& io, const std::string& path) {
+    const std::size_t layers = io.GetNumberOfComponents();
+    if (!isTiff(path) || layers == 1 || checkTiffPages(path).isGrey())
+        return isTiff(path) ? 1 : layers;
+    throw InputError(fmt::format(
+        "{}: has {} values at each pixel, such as colors; convert it to one", path, layers));
+}
+
+/// @param to  of `count` voxels
+void readVoxels(itk::ImageIOBase& io, const std::string& path, std::size_t count, std::byte* to) {
+    const std::size_t colors = isTiff(path) ? io.GetNumberOfComponents() : 1;
+    const auto wide = voxelMemory(colors > 1 ? count * colors : 0);
+    if (!wide) throw ResourceError(path + ": its pixels take more memory than there is");
     byItk(path, [&] {
         itk::ImageIORegion region(io.GetNumberOfDimensions());
         for (unsigned d = 0; d < io.GetNumberOfDimensions(); ++d) {
@@ -120,9 +134,13 @@ void readVoxels(itk::ImageIOBase& io, const std::string& path, std::byte* to) {
             region.SetSize(d, io.GetDimensions(d));
         }
         io.SetIORegion(region);
-        io.Read(to);
+        io.Read(colors > 1 ? wide.get() : to);
         return 0;
     });
+    if (colors == 1) return;
+    // Where 0 is white, colors are the other way round.
+    const auto white = static_cast<std::byte>(checkTiffPages(path).color == 0 ? 255 : 0);
+    for (std::size_t i = 0; i < count; ++i) to[i] = wide[i * colors] ^ white;
 }
 
 /// One file of a stack.
@@ -139,9 +157,7 @@ void requireAlike(const Page& page, const Page& first) {
         throw InputError(fmt::format(
             "{}: has {} x {} pixels, {} has {} x {}; give slices of one series", page.file,
             page.size[0], page.size[1], first.file, first.size[0], first.size[1]));
-    if (page.io->GetNumberOfComponents() != 1)
-        throw InputError(page.file +
-                         ": has several values at each pixel, such as colors; convert it to one");
+    layersOf(*page.io, page.file);
 }
 
 }  // namespace
@@ -163,14 +179,10 @@ Image readByItk(const std::string& path, const ImageReadOptions& options) {
     const bool spaced = tiff ? applyTiffSpacing(grid, *io, options, path)
                              : applySpacing(grid, options, {true, true, true}, path);
     checkAxes(grid, path, options.callbacks);
-    Image image = allocatedImage(path, grid, io->GetNumberOfComponents(), typeOf(*io, path),
+    Image image = allocatedImage(path, grid, layersOf(*io, path), typeOf(*io, path),
                                  tiff ? sizeOf(path) : bytesOfData(header, path));
-    if (tiff && image.layers > 1)
-        throw InputError(
-            fmt::format("{}: has {} values at each voxel, such as colors; convert it to one", path,
-                        image.layers));
     options.callbacks.stopIfCancelled();
-    readVoxels(*io, path, image.bytes.get());
+    readVoxels(*io, path, grid.voxels(), image.bytes.get());
     image.names = labelNames(header);
     image.isSpaced = spaced;
     image.unit = unit;
@@ -202,13 +214,13 @@ Image readTiffStack(const std::vector<std::string>& files, const ImageReadOption
         options.callbacks.stopIfCancelled();
         std::byte* const to = image.bytes.get() + z * pixels * bytesOf(type);
         if (typeAt(z) == type) {
-            readVoxels(*pages[z].io, pages[z].file, to);
+            readVoxels(*pages[z].io, pages[z].file, pixels, to);
             continue;
         }
         const auto own = voxelMemory(pixels * bytesOf(typeAt(z)));
         if (!own)
             throw ResourceError(pages[z].file + ": its pixels take more memory than there is");
-        readVoxels(*pages[z].io, pages[z].file, own.get());
+        readVoxels(*pages[z].io, pages[z].file, pixels, own.get());
         toFloats(typeAt(z), own, pixels, 1, 0, reinterpret_cast<float*>(to));
     }
     image.format = "TIFF";

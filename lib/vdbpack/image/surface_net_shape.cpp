@@ -305,39 +305,66 @@ void straighten(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
     relax(net, size, links, stiffnessOf(net, links), kRounds);
 }
 
-/// Moves the faces between two labels, all of them as far, so that each label has the volume of its
-/// voxels again.
-void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
-    constexpr int kRounds = 3, kSweeps = 200;
+struct Volumes {
+    std::vector<double> voxels, missing;  ///< of labels: theirs, and what surfaces lack of them
+    std::map<std::pair<std::uint16_t, std::uint16_t>, double> areas;  ///< of labels that touch
+
+    bool areRight() const {
+        bool right = true;
+        for (std::size_t l = 1; l < voxels.size(); ++l)
+            right = right && std::fabs(missing[l]) <= 0.005 * voxels[l];
+        return right;
+    }
+};
+
+Volumes volumesOf(const SurfaceNet& net) {
     std::size_t labels = 1;
     for (const SurfaceNet::Face& face : net.faces)
         for (const std::uint16_t label : {face.below, face.above})
             if (label != LabelVoxels::kBeyond) labels = std::max(labels, std::size_t{label} + 1);
-    for (int round = 0; round < kRounds; ++round) {
-        std::vector<double> missing(labels);
-        std::map<std::pair<std::uint16_t, std::uint16_t>, double> areas;  // of labels that touch
-        for (const SurfaceNet::Face& face : net.faces) {
-            const Vec<3> area = areaOf(net, face);
-            Vec<3> middle;
-            for (const std::uint32_t v : face.vertices) middle += 0.25 * net.vertices[v];
-            double volume = -dot(middle, area) / 3;
-            // The voxels of a label, counted along rows: from face to face.
-            if (face.axis == 0) volume += static_cast<double>(net.cells[face.vertices[0]][0]) - 0.5;
-            if (face.below != LabelVoxels::kBeyond) missing[face.below] += volume;
-            if (face.above != LabelVoxels::kBeyond) missing[face.above] -= volume;
-            if (face.below == LabelVoxels::kBeyond || face.above == LabelVoxels::kBeyond) continue;
-            areas[std::minmax(face.below, face.above)] += length(area);
+    Volumes volumes;
+    volumes.voxels.resize(labels);
+    volumes.missing.resize(labels);
+    for (const SurfaceNet::Face& face : net.faces) {
+        const Vec<3> area = areaOf(net, face);
+        Vec<3> middle;
+        for (const std::uint32_t v : face.vertices) middle += 0.25 * net.vertices[v];
+        // The voxels of a label, counted along rows: from face to face.
+        const double voxels =
+            face.axis == 0 ? static_cast<double>(net.cells[face.vertices[0]][0]) - 0.5 : 0;
+        double missing = -dot(middle, area) / 3;
+        missing += voxels;
+        if (face.below != LabelVoxels::kBeyond) {
+            volumes.voxels[face.below] += voxels;
+            volumes.missing[face.below] += missing;
         }
+        if (face.above != LabelVoxels::kBeyond) {
+            volumes.voxels[face.above] -= voxels;
+            volumes.missing[face.above] -= missing;
+        }
+        if (face.below == LabelVoxels::kBeyond || face.above == LabelVoxels::kBeyond) continue;
+        volumes.areas[std::minmax(face.below, face.above)] += length(area);
+    }
+    return volumes;
+}
+
+/// Moves the faces between two labels, all of them as far, so that each label has the volume of its
+/// voxels again. Where parts are as thin as a voxel, that takes more rounds.
+void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
+    constexpr int kRounds = 3, kMostRounds = 30, kSweeps = 200;
+    for (int round = 0; round < kMostRounds; ++round) {
+        const Volumes volumes = volumesOf(net);
+        if (round >= kRounds && volumes.areRight()) break;
         // The least movement that does so is a potential of the labels; that of the background is
         // 0.
-        std::vector<double> potential(missing.size()), flow, weight(missing.size());
-        for (const auto& [pair, area] : areas) {
+        std::vector<double> potential(volumes.missing.size()), flow, weight(potential.size());
+        for (const auto& [pair, area] : volumes.areas) {
             weight[pair.first] += area;
             weight[pair.second] += area;
         }
         for (int sweep = 0; sweep < kSweeps; ++sweep) {
-            flow = missing;
-            for (const auto& [pair, area] : areas) {
+            flow = volumes.missing;
+            for (const auto& [pair, area] : volumes.areas) {
                 flow[pair.first] += area * potential[pair.second];
                 flow[pair.second] += area * potential[pair.first];
             }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace vdbpack {
@@ -76,17 +77,26 @@ std::string summary(const ImageResult& r) {
     const double voxel = std::fabs(r.grid.signedVoxelVolume());
     text += fmt::format("\n{:>8} {:>10} {:>13} {:>10}  {}\n", "label", "voxels", "volume, mm³",
                         "components", "name");
-    for (std::size_t i = 0; i < r.labels->size(); ++i) {
+    constexpr std::size_t kMost = 40;
+    const auto addRest = [&](std::size_t count, const char* what) {
+        if (count > kMost)
+            text += fmt::format("{:>8} and {} more {}, all in `json`\n", "", count - kMost, what);
+    };
+    for (std::size_t i = 0; i < std::min(kMost, r.labels->size()); ++i) {
         const LabelCount& label = (*r.labels)[i];
         text += fmt::format("{:>8} {:>10} {:>12.5g} {:>11}  {}\n", label.value, label.voxels,
                             voxel * static_cast<double>(label.voxels), r.relations.components[i],
                             label.name);
     }
+    addRest(r.labels->size(), "labels");
     if (r.relations.contacts.empty()) return text;
     text += fmt::format("\n{:>8} {:>8} {:>10}\n", "touches", "", "faces");
-    for (const LabelContact& contact : r.relations.contacts)
+    for (std::size_t i = 0; i < std::min(kMost, r.relations.contacts.size()); ++i) {
+        const LabelContact& contact = r.relations.contacts[i];
         text += fmt::format("{:>8} {:>8} {:>10}\n", (*r.labels)[contact.first].value,
                             (*r.labels)[contact.second].value, contact.faces);
+    }
+    addRest(r.relations.contacts.size(), "pairs");
     return text;
 }
 
