@@ -42,7 +42,7 @@ struct Cavities {
 
 /// What DOMAIN and the options about it say.
 struct DomainRecipe {
-    /// A file (.stl .obj .ply .off .vtp .vtk .vdb), an image (`namesImage`) or a shape:
+    /// A file (.stl .obj .ply .off .gts .vtp .vtk .vdb), an image (`namesImage`) or a shape:
     /// box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1 ball:R cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R
     /// (mm, centered at the origin), periodic:LX,LY,LZ or periodic:LX,LY.
     std::string source;

@@ -33,8 +33,15 @@ constexpr double kLargest = 1e9;
             "{}: {}, not a mesh. A domain can be an image, with a label or a threshold; what else "
             "needs a mesh takes its surface as .stl",
             path, isFolder ? "is a folder, perhaps a series of images" : "is an image"));
-    throw InputError(path + ": format " + quotedExcerpt(extension) +
-                     " is not read as a mesh; convert it to .stl, .obj, .ply, .off, .vtp or .vtk");
+    for (const char* scan : {".isq", ".rsq", ".aim"})
+        if (startsWith(extension, scan))
+            throw InputError(path +
+                             ": is a scan of SCANCO, which is not read; convert it to .nrrd or "
+                             ".mha, with 3D Slicer "
+                             "or with IOScanco of ITK (Python: itk-ioscanco), and set `threshold`");
+    throw InputError(
+        path + ": format " + quotedExcerpt(extension) +
+        " is not read as a mesh; convert it to .stl, .obj, .ply, .off, .gts, .vtp or .vtk");
 }
 
 }  // namespace
@@ -50,6 +57,7 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
     if (extension == ".obj") read = readObjMesh;
     if (extension == ".ply") read = readPlyMesh;
     if (extension == ".off") read = readOffMesh;
+    if (extension == ".gts") read = readGtsMesh;
     if (extension == ".vtk") read = readVtkMesh;
     if (extension == ".vtp") read = readVtpMesh;
     if (read == nullptr) refuseFormat(path, extension);

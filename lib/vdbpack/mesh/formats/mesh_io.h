@@ -21,7 +21,7 @@ struct CrossedFaces {
 };
 
 /// Reads a mesh from .stl (binary or ASCII, told apart by content), .obj, .ply (ASCII or binary
-/// of either byte order), .off, .vtp (polygon data of VTK) or .vtk (its legacy format); other
+/// of either byte order), .off, .gts, .vtp (polygon data of VTK) or .vtk (its legacy format); other
 /// extensions are refused.
 ///
 /// Coordinates keep all digits that the file holds and come back in mm. Vertices with identical

@@ -134,6 +134,7 @@ private:
 void readStlMesh(MeshReader& reader);
 void readObjMesh(MeshReader& reader);
 void readOffMesh(MeshReader& reader);
+void readGtsMesh(MeshReader& reader);
 void readPlyMesh(MeshReader& reader);
 void readVtkMesh(MeshReader& reader);
 void readVtpMesh(MeshReader& reader);
