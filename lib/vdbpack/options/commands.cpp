@@ -116,10 +116,11 @@ void list(OptionList& rows, VerifyRecipe& job, PrintOptions& print) {
 }
 
 void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
-    inputPackOptions(rows, job, "FILE",
-                     std::string("a pack: ") + kPackHelp +
-                         "; or a solid: a level set (.vdb), a mesh (.stl .obj .off .ply .vtk) or "
-                         "an image (with `label` or `threshold`)");
+    inputPackOptions(
+        rows, job, "FILE",
+        std::string("a pack: ") + kPackHelp +
+            "; or a solid: a level set (.vdb), a mesh (.stl .obj .off .ply .gts .vtk) or "
+            "an image (with `label` or `threshold`)");
     outputOption(rows, job.outputs, "contacts:FILE.csv: the pairs in contact");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     rows.group("Domain");
@@ -141,9 +142,9 @@ void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
 void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
     packArgument(rows, job, "PACK",
                  std::string("a pack: ") + kPackHelp +
-                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply .vtk)");
+                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply .gts .vtk)");
     outputOption(rows, job.outputs);
-    unitOption(rows, "pack-unit", job.packUnit, "unit of PACK, if the file states none");
+    packReadingOptions(rows, job.packUnit, job.packColumns, job.packRadius, "PACK");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     imagesOption(rows, job.images);
     unitOption(rows, "unit", job.domain.unit, "unit of the domain's file");
@@ -177,7 +178,7 @@ void fileOptions(OptionList& rows, RunSettings& settings, DomainRecipe& domain,
 }
 
 void list(OptionList& rows, MeshRecipe& job, PrintOptions& print) {
-    rows.text("FILE", "", job.domain.source, "mesh (.stl .obj .ply .off .vtp .vtk)")
+    rows.text("FILE", "", job.domain.source, "mesh (.stl .obj .ply .off .gts .vtp .vtk)")
         .naming(FileIn::pack)
         .required = true;
     outputOption(rows, job.outputs, "write the mesh as .stl; with `repair`, the repaired mesh");
@@ -208,7 +209,7 @@ void list(OptionList& rows, ViewJob& job, PrintOptions& print) {
                 [&job](const std::string&) { job.opens = false; })
         .kind = OptionKind::flag;
     cutAndColor(rows, job.preview);
-    unitOption(rows, "pack-unit", job.packUnit, "unit of PACK, if the file states none");
+    packReadingOptions(rows, job.packUnit, job.packColumns, job.packRadius, "PACK");
     domainOption(rows, job.domain, "domain whose wall is shown around the spheres: ");
     domainOptions(rows, job.domain);
     threadsOption(rows, job);
