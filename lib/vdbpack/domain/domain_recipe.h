@@ -40,6 +40,9 @@ struct Cavities {
     bool any() const { return fill || !inner.empty(); }
 };
 
+/// Whether a mesh is one domain, or has parts: by names in its file, or its connected components.
+enum class PartsBy { none, group, component };
+
 /// What DOMAIN and the options about it say.
 struct DomainRecipe {
     /// A file (.stl .obj .ply .off .gts .vtp .vtk .vdb), an image (`namesImage`) or a shape:
@@ -70,6 +73,7 @@ struct DomainRecipe {
     RepairComponents repairComponents = RepairComponents::together;
     Cavities cavities;
     ShellFrom shellFrom = ShellFrom::walls;
+    PartsBy partsBy = PartsBy::none;  ///< where a recipe may have several parts
 };
 
 /// Whether a domain comes from an image, a file or in memory.

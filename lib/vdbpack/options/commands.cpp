@@ -18,16 +18,24 @@ const char* const kResultAsJson = "print the result as JSON";
 const char* const kRequiredDomain = "DOMAIN (required without a cell in PACK)";
 const Names<Fill> kFills{{"domain", Fill::domain}, {"solid", Fill::solid}};
 
-void partsOption(OptionList& rows, std::string& file, const char* help) {
+const Names<PartsBy> kPartsBy{{"group", PartsBy::group}, {"component", PartsBy::component}};
+
+void partsOption(OptionList& rows, std::string& file, PartsBy& by, const char* help) {
     rows.group("Domain");
     rows.text("parts", "FILE.toml", file, help).as("partsFile").naming(FileIn::whole);
+    rows.choice(
+            "parts-by", "group|component", by, kPartsBy,
+            "take several parts from the mesh of the domain: the solids of an ASCII .stl or the "
+            "groups (g, o) of an .obj, or its connected components")
+        .as("partsBy")
+        .excludes = "parts";
 }
 
 void list(OptionList& rows, PackJob& job, PrintOptions& print) {
     domainArgument(rows, job.domain);
     outputOption(rows, job.outputs);
     domainOptions(rows, job.domain);
-    partsOption(rows, job.partsFile,
+    partsOption(rows, job.partsFile, job.domain.partsBy,
                 "pack several domains, each a table [[part]] of a TOML file: name, domain, and "
                 "options by their names. Where they overlap, the later one has the space");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
@@ -104,7 +112,7 @@ void list(OptionList& rows, DensifyRecipe& job, PrintOptions& print) {
 
 void list(OptionList& rows, VerifyRecipe& job, PrintOptions& print) {
     inputPackOptions(rows, job, "PACK", kPackHelp);
-    partsOption(rows, job.partsFile,
+    partsOption(rows, job.partsFile, job.domain.partsBy,
                 "the parts that the pack was made with: each sphere is held against its own");
     gapOption(rows, job.gap, "least distance required between spheres, mm");
     rows.group("Run");

@@ -47,7 +47,7 @@ constexpr double kLargest = 1e9;
 }  // namespace
 
 TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
-                      CrossedFaces* crossed) {
+                      CrossedFaces* crossed, MeshGroups* groups) {
     if (!std::isfinite(options.scale) || options.scale <= 0)
         throw ParameterError(
             fmt::format("scale {} is not a positive number; use one such as 0.1", options.scale));
@@ -73,6 +73,7 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
         splitPolygons(reader);
         if (reader.statedUnit) factor = millimetersPer(*reader.statedUnit) * options.scale;
         mesh = std::move(reader.mesh);
+        if (groups != nullptr) *groups = std::move(reader.groups);
         if (mesh.triangles.empty()) file.fail("has no triangles; a closed surface is needed");
         if (extension != ".stl") mesh = welded(std::move(mesh));
     } catch (const std::bad_alloc&) {
