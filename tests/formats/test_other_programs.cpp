@@ -7,10 +7,11 @@ namespace {
 /// Centers (1, 2, 3) and (4, 5, 6.5), radii 0.5 and 1.25.
 const std::vector<Sphere<3>> kTwo{{{{1, 2, 3}}, 0.5}, {{{4, 5, 6.5}}, 1.25}};
 
-std::vector<Sphere<3>> scaled(std::vector<Sphere<3>> spheres, double factor) {
+/// In mm, of lengths in micrometers.
+std::vector<Sphere<3>> fromMicrometers(std::vector<Sphere<3>> spheres) {
     for (auto& s : spheres) {
-        s.center *= factor;
-        s.radius *= factor;
+        for (double& c : s.center.c) c /= 1000;
+        s.radius /= 1000;
     }
     return spheres;
 }
@@ -196,7 +197,7 @@ TEST_CASE("names and units of columns of other programs") {
           std::vector<Sphere<3>>{kTwo[0]});
     CHECK(readText("p.csv",
                    "x [\u00b5m],y (micron),z/um,r_um,mass [kg]\n1,2,3,.5,1\n4,5,6.5,1.25,2\n")
-              .spheres == scaled(kTwo, 1e-3));
+              .spheres == fromMicrometers(kTwo));
     // An exact name comes before one with signs and a unit.
     CHECK(readText("p.csv", "x,y,z,r,p_x,p_y,p_z,z/H\n1,2,3,.5,9,9,9,9\n").columns.size() == 4);
     for (const char* header : {"x [px],y,z,r", "x,y,z,radius_nm", "x,y,z,r/D"}) {
