@@ -204,3 +204,102 @@ TEST_CASE("messages name an array without a name by the tag around it") {
         "</DataArray></Points></Piece></PolyData></VTKFile>");
     REQUIRE_THAT(message, Contains("<Points>") && Contains("'x'") && !Contains("''"));
 }
+
+namespace {
+
+/// A legacy .vtk of the four spheres, with arrays in each kind of statement.
+std::string legacyText(bool binary, bool offsets, bool polyData) {
+    const auto numbers = [&](const auto& values) {
+        std::string text;
+        if (binary) return bytesOf(values, true) + "\n";
+        for (const auto value : values)
+            text += std::to_string(value) + (values.size() % 3 ? " " : "\n");
+        return text + "\n";
+    };
+    std::string text = std::string("# vtk DataFile Version 5.1\ntitle\n") +
+                       (binary ? "BINARY" : "ASCII") + "\nDATASET " +
+                       (polyData ? "POLYDATA" : "UNSTRUCTURED_GRID") + "\nPOINTS 4 float\n" +
+                       numbers(std::vector<float>{0, 0, 0, 10.5f, 0, 0, 0, -20, 0, 0, 0, 30});
+    const std::string cells = polyData ? "VERTICES" : "CELLS";
+    if (offsets)
+        text += cells + " 5 4\nOFFSETS vtktypeint64\n" +
+                numbers(std::vector<std::int64_t>{0, 1, 2, 3, 4}) + "CONNECTIVITY vtktypeint64\n" +
+                numbers(std::vector<std::int64_t>{0, 1, 2, 3});
+    else
+        text += cells + " 4 8\n" + numbers(std::vector<std::int32_t>{1, 0, 1, 1, 1, 2, 1, 3});
+    if (!polyData) text += "CELL_TYPES 4\n" + numbers(std::vector<std::int32_t>{1, 1, 1, 1});
+    return text + "CELL_DATA 4\nSCALARS radius double 1\nLOOKUP_TABLE default\n" +
+           numbers(std::vector<double>{9, 9, 9, 9}) + "POINT_DATA 4\nVECTORS v%20elocity float\n" +
+           numbers(std::vector<float>{0, 0, 1, 0, 1, 0, 1, 0, 0, 0, 0, -1}) +
+           "SCALARS material int\nLOOKUP_TABLE own\n" +
+           numbers(std::vector<std::int32_t>{7, -8, 9, 10}) + "LOOKUP_TABLE own 1\n" +
+           (binary ? "abcd\n" : "0 0 0 1\n") + "FIELD FieldData 2\nDiameter 1 4 double\n" +
+           numbers(std::vector<double>{2, 4, 1, 8}) + "name 1 4 string\n" +
+           (binary ? "\xc3"
+                     "a b\xc0\xc1"
+                     "c\xc1"
+                     "d\n"
+                   : "a%20b\n\nc\nd\n");
+}
+
+}  // namespace
+
+TEST_CASE("legacy VTK is read as text and binary, of every version and data set") {
+    const bool binary = GENERATE(false, true), offsets = GENERATE(false, true);
+    const bool polyData = GENERATE(false, true);
+    CAPTURE(binary, offsets, polyData);
+    const std::string text = legacyText(binary, offsets, polyData);
+    const auto pack = readText("p.vtk", text);
+    requireFourSpheres(pack);
+    REQUIRE(pack.columns.size() == 5);
+    CHECK(pack.columns[0].name == "v elocity_0");
+    CHECK(pack.columns[2].numbers == std::vector<double>{1, 0, 0, -1});
+    CHECK(pack.columns[3].numbers == std::vector<double>{7, -8, 9, 10});
+    CHECK(pack.columns[4].texts == std::vector<std::string>{"a b", "", "c", "d"});
+    for (std::size_t at = 0; at + 3 < text.size(); at += 7) {
+        CAPTURE(at);
+        CHECK_THROWS_AS(readText("p.vtk", text.substr(0, at)), InputError);
+    }
+    const auto changed = [&text](const std::string& from, const std::string& to) {
+        auto other = text;
+        return other.replace(other.find(from), from.size(), to);
+    };
+    CHECK_THAT(errorOf("p.vtk", changed("POINT_DATA 4", "POINT_DATA 3")), Contains("POINT_DATA"));
+    CHECK_THAT(errorOf("p.vtk", changed("Diameter 1", "Dia 1")),
+               Contains("radius") && Contains("Dia"));
+    CHECK_THAT(errorOf("p.vtk", changed("Diameter 1 4", "Diameter 1 9000000000000")),
+               Contains("more than the file holds"));
+    CHECK_THAT(errorOf("p.vtk", changed("int\n", "bit\n")), Contains("'bit'"));
+    CHECK_THAT(
+        errorOf("p.vtk", changed(polyData ? "POLYDATA" : "UNSTRUCTURED_GRID", "RECTILINEAR")),
+        Contains("rectilinear"));
+}
+
+TEST_CASE("a legacy .vtk that ParaView made of a pack of ours keeps its unit") {
+    CHECK(readText(
+              "p.vtk",
+              "# vtk DataFile Version 5.1\nt\nASCII\nDATASET POLYDATA\nFIELD FieldData 2\n"
+              "unit_of_length 1 1 string\nm\nperiodic_cell 1 1 string\nx%200%200%200%201%201%201\n"
+              "METADATA\nINFORMATION 0\n\nPOINTS 1 double\n1 2 3\nPOINT_DATA 1\n"
+              "SCALARS radius double\nLOOKUP_TABLE default\n0.5\nMETADATA\nINFORMATION 0\n\n")
+              .cell.length(0) == 1000);
+}
+
+TEST_CASE("unstructured grids in XML are read as polygon data are, alone and in pieces") {
+    Variant v;
+    v.format = GENERATE(as<std::string>{}, "ascii", "binary", "raw");
+    std::string text = VtpText(v).pack();
+    for (std::size_t at = 0; (at = text.find("PolyData", at)) != std::string::npos;)
+        text.replace(at, 8, "UnstructuredGrid");
+    requireFourSpheres(readText("p.vtu", text));
+    const TemporaryFolder folder;
+    putContent(folder.file("p_0.vtu"), text);
+    putContent(folder.file("empty.vtu"),
+               "<VTKFile type='UnstructuredGrid'><UnstructuredGrid><Piece NumberOfPoints='0'>"
+               "<Points/></Piece></UnstructuredGrid></VTKFile>");
+    putContent(folder.file("p.pvtu"),
+               "<VTKFile type='PUnstructuredGrid'><PUnstructuredGrid><Piece Source='empty.vtu'/>"
+               "<Piece Source='p_0.vtu'/></PUnstructuredGrid></VTKFile>");
+    requireFourSpheres(readPack(folder.file("p.pvtu")));
+    CHECK_THROWS_WITH(writePack(Pack<3>{}, "p.vtu"), Contains("read but not written"));
+}

@@ -1,4 +1,4 @@
-// Meshes: .ply, .obj, .off, .vtp, .vtk and .stl, told apart as they begin.
+// Meshes: .ply, .obj, .off, .gts, .vtp, .vtk and .stl, told apart as they begin.
 #include "fuzz_file.h"
 
 #include "vdbpack/mesh/formats/mesh_io.h"
@@ -7,7 +7,7 @@ using namespace vdbpack;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static fuzz::InputAsFile ply("m.ply"), obj("m.obj"), off("m.off"), vtp("m.vtp"), vtk("m.vtk"),
-        stl("m.stl");
+        gts("m.gts"), stl("m.stl");
     fuzz::InputAsFile* file = &stl;
     if (size > 0) {
         const char first = static_cast<char>(data[0]);
@@ -16,6 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (first == 'O' || first == 'C' || first == 'N' || (first >= '0' && first <= '9'))
             file = &off;
         if (first == '<') file = &vtp;
+        if (first == '!') file = &gts;
         if (size > 2 && first == '#' && data[2] == 'v') file = &vtk;
     }
     const std::string& path = file->write(data, size);

@@ -1,4 +1,4 @@
-// Packs from the text files of YADE and LAMMPS, told apart as they begin.
+// Packs from the text files of DEM programs, told apart as they begin.
 #include "fuzz_file.h"
 
 #include "vdbpack/formats/pack_file.h"
@@ -12,7 +12,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string& path = file.write(data, size);
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     const char first = text.empty() ? '#' : text.front();
-    const std::string format = first == 'I'                                    ? "dump:"
+    const auto begins = [text](std::string_view word) {
+        return text.substr(0, word.size()) == word;
+    };
+    const std::string format = begins("Version")                               ? "dat:"
+                               : begins("Mercury")                             ? "restart:"
+                               : begins("LSM")                                 ? "geo:"
+                               : first == 'I'                                  ? "dump:"
                                : (first >= 'A' && first <= 'Z') || first < '!' ? "lammps:"
                                                                                : "yade:";
     fuzz::readOrRefuse(path, [&] { fuzz::requireSound(readPack(format + path)); });

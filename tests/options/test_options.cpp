@@ -1,6 +1,7 @@
 // The table of options: names in messages, values, words that are alike.
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/domain_text.h"
+#include "vdbpack/options/command_line.h"
 #include "vdbpack/options/jobs.h"
 #include "vdbpack/options/suggest.h"
 
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 using namespace vdbpack;
@@ -37,6 +39,20 @@ TEST_CASE("seeds are numbers, ranges and lists", "[options]") {
                              "99999999999999999999", "1 2", "1,", "1,2,1", "1..5,3"}) {
         CAPTURE(text);
         CHECK_THROWS_AS(parseSeeds(text), ParameterError);
+    }
+}
+
+TEST_CASE("columns of a pack are named in order, or some of them anew", "[options]") {
+    const auto columnsOf = [](const std::string& text) {
+        return std::get<MeasureRecipe>(jobOf({"measure", "p.csv", "--columns", text})).packColumns;
+    };
+    CHECK(columnsOf("x, y,z,r").inOrder == std::vector<std::string>{"x", "y", "z", "r"});
+    const auto renamed = columnsOf("x [m]=Pos East,diameter=size").renamed;
+    REQUIRE(renamed.size() == 2);
+    CHECK(renamed[0] == std::pair<std::string, std::string>("x [m]", "Pos East"));
+    for (const char* text : {"x,,y", "x=", "=x", "x,y=b", ","}) {
+        CAPTURE(text);
+        CHECK_THROWS(columnsOf(text));
     }
 }
 

@@ -11,6 +11,8 @@
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
 
+#include <fmt/format.h>
+
 namespace {
 
 std::vector<double> partsIn(const Pack<3>& pack) {
@@ -254,4 +256,56 @@ TEST_CASE("materials number regions and parts") {
     CHECK_FALSE(Materials(pack).hasParts());
     pack.region[1] = -1;
     CHECK_THROWS_AS(Materials(pack), ParameterError);
+}
+
+TEST_CASE("names in the file of a mesh, or its components, are packed and verified as parts") {
+    const TemporaryFolder folder;
+    // Of 1000 and 216 mm³ in a file in cm; the names come in turn.
+    const TriangleMesh boxes[] = {boxMesh({{{0, 0, 0}}, {{1, 1, 1}}}),
+                                  boxMesh({{{2, 0, 0}}, {{2.6, 0.6, 0.6}}})};
+    std::string obj, stl, faces[4];
+    for (int k = 0; k < 2; ++k) {
+        const std::string name = k == 0 ? "bone" : "implant";
+        for (const auto& v : boxes[k].vertices)
+            obj += fmt::format("v {} {} {}\n", v[0], v[1], v[2]);
+        stl += "solid " + name + "\n";
+        for (std::size_t t = 0; t < boxes[k].triangles.size(); ++t) {
+            const auto& c = boxes[k].triangles[t];
+            const std::uint32_t first =
+                1 + static_cast<std::uint32_t>(k * boxes[0].vertices.size());
+            faces[t < 5 ? k : 2 + k] +=
+                fmt::format("f {} {} {}\n", c[0] + first, c[1] + first, c[2] + first);
+            stl += "facet normal 0 0 0\nouter loop\n";
+            for (const auto v : c) {
+                const Vec<3>& p = boxes[k].vertices[v];
+                stl += fmt::format("vertex {} {} {}\n", p[0], p[1], p[2]);
+            }
+            stl += "endloop\nendfacet\n";
+        }
+        stl += "endsolid\n";
+    }
+    putContent(folder.file("m.stl"), stl);
+    putContent(folder.file("m.obj"), obj + "o bone\n" + faces[0] + "g implant\n" + faces[1] +
+                                         "g bone\n" + faces[2] + "g implant\n" + faces[3]);
+    for (const auto& [file, by] : {std::pair{"m.stl", PartsBy::group},
+                                   {"m.obj", PartsBy::group},
+                                   {"m.obj", PartsBy::component}}) {
+        CAPTURE(file, by == PartsBy::group);
+        PackRecipe recipe = recipeFor(folder.file(file), "uniform:0.5,1");
+        recipe.domain.unit = Unit::centimeter;
+        recipe.domain.partsBy = by;
+        const RunResult run = runPack(recipe);
+        CHECK(run.passed);
+        REQUIRE(run.report.parts.size() == 2);
+        CHECK(run.report.parts[1].name == (by == PartsBy::group ? "implant" : "component 1"));
+        CHECK(run.report.parts[0].volume == Approx(1000).epsilon(1e-6));
+        CHECK(run.report.parts[1].volume == Approx(216).epsilon(1e-6));
+        writePack(std::get<Pack<3>>(run.pack), folder.file("p.csv"));
+        auto verify = onPack<VerifyRecipe>(folder.file("p.csv"));
+        verify.domain = recipe.domain;
+        CHECK(runVerify(verify).report.parts.size() == 2);
+    }
+    PackRecipe one = meshPart(folder.file("one.stl"), {{{0, 0, 0}}, {{9, 9, 9}}}, "");
+    one.domain.partsBy = PartsBy::group;
+    CHECK_THAT(messageOf<InputError>([&] { runPack(one); }), Contains("no parts"));
 }

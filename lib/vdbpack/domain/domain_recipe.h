@@ -40,9 +40,12 @@ struct Cavities {
     bool any() const { return fill || !inner.empty(); }
 };
 
+/// Whether a mesh is one domain, or has parts: by names in its file, or its connected components.
+enum class PartsBy { none, group, component };
+
 /// What DOMAIN and the options about it say.
 struct DomainRecipe {
-    /// A file (.stl .obj .ply .off .vtp .vtk .vdb), an image (`namesImage`) or a shape:
+    /// A file (.stl .obj .ply .off .gts .vtp .vtk .vdb), an image (`namesImage`) or a shape:
     /// box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1 ball:R cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R
     /// (mm, centered at the origin), periodic:LX,LY,LZ or periodic:LX,LY.
     std::string source;
@@ -70,6 +73,7 @@ struct DomainRecipe {
     RepairComponents repairComponents = RepairComponents::together;
     Cavities cavities;
     ShellFrom shellFrom = ShellFrom::walls;
+    PartsBy partsBy = PartsBy::none;  ///< where a recipe may have several parts
 };
 
 /// Whether a domain comes from an image, a file or in memory.

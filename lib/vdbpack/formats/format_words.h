@@ -23,6 +23,8 @@ inline constexpr const char* kLammpsBonded = "hybrid sphere bond";
 
 /// Before the lengths of a cell that is periodic along all axes, as YADE's SpherePack writes them.
 inline constexpr std::string_view kYadeCell = "##PERIODIC::";
+/// The column of the clumps of spheres; -1 for a sphere that is in none.
+inline constexpr const char* kYadeClump = "clumpId";
 
 /// The column of .xyz files for chemical elements, and its word for spheres without one, which is
 /// a symbol that ASE knows.

@@ -2,15 +2,18 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_view.h"
+#include "vdbpack/io/delimited_text.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/stated_unit.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
+#include <iterator>
 #include <limits>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -27,54 +30,105 @@ void dropDefaultIds(Pack<3>& pack) {
     pack.id = {};
 }
 
-PackBuilder::PackBuilder(std::string file, const std::vector<std::string>& names, Unit unit)
-    : file_(std::move(file)), unit_(unit), names_(names), columns_(names.size()) {
-    std::vector<std::string> low;
-    low.reserve(names.size());
-    for (const auto& name : names) low.push_back(lowered(name));
+PackBuilder::PackBuilder(std::string file, std::vector<std::string> names,
+                         const PackReadOptions& options)
+    : file_(std::move(file)),
+      options_(options),
+      names_(std::move(names)),
+      columns_(names_.size(), Numbers(nullptr)) {
+    rename();
+    for (const auto& name : names_) {
+        low_.push_back(lowered(name));
+        quantities_.push_back(columnName(name).quantity);
+    }
     // A malformed header may have any number of columns: sort instead of comparing all pairs.
-    auto sorted = low;
+    auto sorted = low_;
     std::sort(sorted.begin(), sorted.end());
     const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-    if (twice != sorted.end())
-        throw InputError(
-            fmt::format("{}: column '{}' appears twice; rename one of them", file_, *twice));
-
-    std::vector<bool> claimed(names.size(), false);
-    const auto claim = [&](Target target, std::initializer_list<std::string_view> synonyms) {
-        for (const std::string_view synonym : synonyms) {
-            const auto at = std::find(low.begin(), low.end(), synonym);
-            if (at == low.end()) continue;
-            columns_[static_cast<std::size_t>(at - low.begin())] = target;
-            claimed[static_cast<std::size_t>(at - low.begin())] = true;
-            return true;
-        }
-        return false;
-    };
-    const bool complete =
-        claim(SphereNumber::x, {"x", "points:0", "points_0"}) &&
-        claim(SphereNumber::y, {"y", "points:1", "points_1"}) &&
-        claim(SphereNumber::z, {"z", "points:2", "points_2"}) &&
-        (claim(SphereNumber::radius, {"radius", "r", "pscale", "radii", "scalar_radius"}) ||
-         claim(SphereNumber::diameter, {"diameter", "diameters", "scalar_diameter"}));
-    if (!complete) {
-        std::string known;
-        for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 20); ++i)
-            known += (i > 0 ? ", " : "") + names[i].substr(0, 40);
-        throw InputError(
-            fmt::format("{}: columns x, y, z and radius (or r, pscale, radii, scalar_radius, "
-                        "diameter) are needed, found: {}; name "
-                        "the columns",
-                        file_, known.empty() ? "none" : known));
-    }
-    forEachAttribute(pack_,
-                     [&claim](std::string_view name, auto& values) { claim(&values, {name}); });
-    for (std::size_t i = 0; i < names.size(); ++i)
-        if (!claimed[i]) pack_.columns.push_back({names[i], {}, {}});
+    if (twice != sorted.end()) failTwice(*twice, *twice);
+    hasRadii_ = claim(radius, {"radius", "r", "pscale", "radii", "scalarradius", "rad",
+                               "particleradius", "sphereradius"}) ||
+                claim(diameter, {"diameter", "diameters", "scalardiameter", "diam",
+                                 "particlediameter", "spherediameter"});
+    bool complete = hasRadii_ || options_.radius > 0;
+    for (const Quantity axis : {x, y, z}) complete = claim(axis, axisNames(axis)) && complete;
+    if (!complete) failIncomplete();
+    forEachAttribute(pack_, [&](std::string_view name, auto& values) {
+        const auto at = std::find(low_.begin(), low_.end(), name) - low_.begin();
+        const auto column = static_cast<std::size_t>(at);
+        if (column < low_.size() && isFurther(column)) columns_[column] = &values;
+    });
+    for (std::size_t i = 0; i < names_.size(); ++i)
+        if (isFurther(i)) pack_.columns.push_back({names_[i], {}, {}});
     // From here on the vector of columns does not move.
     auto further = pack_.columns.begin();
-    for (std::size_t i = 0; i < names.size(); ++i)
-        if (!claimed[i]) columns_[i] = &(further++)->numbers;
+    for (std::size_t i = 0; i < names_.size(); ++i)
+        if (isFurther(i)) columns_[i] = &(further++)->numbers;
+}
+
+void PackBuilder::rename() {
+    const auto& [inOrder, renamed] = options_.columns;
+    if (!inOrder.empty() && inOrder.size() != names_.size())
+        failRow(fmt::format("has {} columns, and `columns` names {}; name each of them",
+                            names_.size(), inOrder.size()));
+    if (!inOrder.empty()) names_ = inOrder;
+    for (const auto& [name, from] : renamed) {
+        const auto at = std::find_if(names_.begin(), names_.end(), [&wanted = from](const auto& n) {
+            return lowered(n) == lowered(wanted);
+        });
+        if (at == names_.end()) failIncomplete(from);
+        const std::string unit = columnName(*at).unit;
+        // A unit that is not known is dropped: the caller says what the column is.
+        const bool keeps = columnName(name).unit.empty() && unitCalled(unit);
+        *at = keeps ? fmt::format("{} [{}]", name, unit) : name;
+    }
+}
+
+bool PackBuilder::claim(Quantity quantity, const std::vector<std::string>& synonyms) {
+    for (const std::string& synonym : synonyms) {
+        std::optional<std::size_t> found;
+        const auto exact = std::find(low_.begin(), low_.end(), synonym);
+        if (exact != low_.end()) found = static_cast<std::size_t>(exact - low_.begin());
+        for (std::size_t i = 0; exact == low_.end() && i < names_.size(); ++i) {
+            if (quantities_[i] != synonym) continue;
+            if (found) failTwice(names_[*found], names_[i]);
+            found = i;
+        }
+        if (!found) continue;
+        columns_[*found] = SphereNumber{quantity, unitOf(names_[*found])};
+        return true;
+    }
+    return false;
+}
+
+Unit PackBuilder::unitOf(const std::string& name) const {
+    const std::string word = columnName(name).unit;
+    if (word.empty()) return options_.unit;
+    const auto unit = unitCalled(word);
+    if (!unit)
+        failRow(
+            fmt::format("the unit '{:.40}' of column '{:.40}' is not known; use m, cm, mm or um, "
+                        "or rename the column with `columns`",
+                        word, name));
+    return *unit;
+}
+
+void PackBuilder::failTwice(const std::string& first, const std::string& second) const {
+    failRow(fmt::format("column '{:.40}' appears twice{}; rename one of them", first,
+                        first == second ? "" : fmt::format(" (again as '{:.40}')", second)));
+}
+
+void PackBuilder::failIncomplete(const std::string& wanted) const {
+    std::string known;
+    for (std::size_t i = 0; i < std::min<std::size_t>(names_.size(), 20); ++i)
+        known += (i > 0 ? ", " : "") + names_[i].substr(0, 40);
+    failRow(fmt::format(
+        "{} needed, found: {}; name the columns in the file or with `columns`{}",
+        wanted.empty()
+            ? "columns x, y, z and radius (or r, pscale, radii, scalar_radius, diameter) are"
+            : fmt::format("column '{:.40}' is", wanted),
+        known.empty() ? "none" : known,
+        wanted.empty() ? ", or set `packRadius` where there are no radii" : ""));
 }
 
 bool PackBuilder::isWhole(std::size_t column) const {
@@ -114,25 +168,16 @@ void PackBuilder::reserve(std::size_t rows) {
 }
 
 void PackBuilder::addRow() {
-    pack_.spheres.emplace_back();
+    pack_.spheres.emplace_back().radius = options_.radius;
     forEachColumn([](auto& values) { values.emplace_back(); });
 }
 
-void PackBuilder::setSphere(SphereNumber which, double value) {
+void PackBuilder::setSphere(SphereNumber number, double value) {
     Sphere<3>& sphere = pack_.spheres.back();
-    switch (which) {
-        case SphereNumber::x:
-        case SphereNumber::y:
-        case SphereNumber::z:
-            sphere.center[static_cast<int>(which)] = toMillimeters(value, unit_);
-            break;
-        case SphereNumber::radius:
-            sphere.radius = toMillimeters(value, unit_);
-            break;
-        case SphereNumber::diameter:
-            sphere.radius = toMillimeters(value / 2, unit_);
-            break;
-    }
+    if (number.quantity < radius)
+        sphere.center[number.quantity] = toMillimeters(value, number.unit);
+    else
+        sphere.radius = toMillimeters(number.quantity == diameter ? value / 2 : value, number.unit);
 }
 
 bool PackBuilder::set(std::size_t column, double value) {
@@ -145,7 +190,7 @@ bool PackBuilder::set(std::size_t column, double value) {
         return true;
     }
     if (const auto* lengths = std::get_if<std::vector<float>*>(&columns_[column])) {
-        const double length = toMillimeters(value, unit_);
+        const double length = toMillimeters(value, options_.unit);
         // Beyond float's range the conversion is undefined.
         if (std::abs(length) > static_cast<double>(std::numeric_limits<float>::max())) return false;
         (*lengths)->back() = static_cast<float>(length);
@@ -241,21 +286,22 @@ void PackBuilder::requireSpheres() const {
     for (const Column& column : pack_.columns) {
         if (column.numbers.empty()) continue;
         const std::string name = lowered(column.name);
+        const bool isDiameter = hasRadii_ && columnName(name).quantity == "diameter";
         const auto isOneOf = [&name](const auto& names) {
             return std::find(std::begin(names), std::end(names), name) != std::end(names);
         };
         const bool isAxis = isOneOf(kAxes), isExponent = isOneOf(kExponents);
-        const bool isDiameter = name == "diameter";
+        const Unit unit = isDiameter ? unitOf(column.name) : options_.unit;
         if (isAxis && !axis) axis = &column.numbers;
         for (std::size_t i = 0; i < column.numbers.size() && (isAxis || isExponent || isDiameter);
              ++i) {
             const double v = column.numbers[i];
-            if (isDiameter && differ(toMillimeters(v, unit_), 2 * pack_.spheres[i].radius))
+            if (isDiameter && differ(toMillimeters(v, unit), 2 * pack_.spheres[i].radius))
                 failRow(fmt::format(
                     "row {}: column '{}' is {}, and the radius is {}; remove or rename the one "
                     "that "
                     "is not the size of the spheres",
-                    i, column.name, v, fromMillimeters(pack_.spheres[i].radius, unit_)));
+                    i, column.name, v, fromMillimeters(pack_.spheres[i].radius, unit)));
             if ((isAxis && differ(v, (*axis)[i])) || (isExponent && differ(v, 2)))
                 failRow(fmt::format(
                     "row {}: column '{}' is {}: the particle is no sphere but an ellipsoid or a "
@@ -267,6 +313,8 @@ void PackBuilder::requireSpheres() const {
 
 Pack<3> PackBuilder::finish() {
     requireSpheres();
+    if (hasRadii_ && options_.radius > 0)
+        options_.callbacks.warn(file_ + ": has radii of its own; `packRadius` is not used");
     dropDefaultIds(pack_);
     return std::move(pack_);
 }

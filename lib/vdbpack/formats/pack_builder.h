@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/units.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/io/byte_order.h"
 
 #include <cstddef>
@@ -21,20 +22,23 @@ void addNames(std::vector<std::string>& names, const std::string& name, std::uin
 /// Removes ids that count 0, 1, 2, ...: an empty `id` means the same.
 void dropDefaultIds(Pack<3>& pack);
 
-/// Collects the rows of a pack file. Names say what a column holds, in any case: x, y, z (also
-/// ParaView's Points:0 and Points_0), radius, r, pscale, radii (YADE) or scalar_radius
-/// (CloudCompare) or else diameter, id, region, order,
-/// depth, contacts; all others are kept as further columns.
+/// Collects the rows of a pack file. Names say what a column holds, in any case and with any signs
+/// between letters: x, y, z (PosX, p_x, position_x, center_x, Points:0, ...), radius (r, rad,
+/// pscale, radii, ...) or else diameter, with the unit of length at the end where it differs from
+/// that of the file (`x [m]`, `radius_um`); id, region, order, depth, contacts. All others are kept
+/// as further columns.
 class PackBuilder {
 public:
-    /// @param unit  of lengths in the file.
-    /// @throws InputError without a column for x, y, z or the radius, or with two of one name.
-    PackBuilder(std::string file, const std::vector<std::string>& names, Unit unit);
+    /// @param options  the unit of lengths in the file, and what it has in place of its names and
+    ///                 radii.
+    /// @throws InputError without a column for x, y, z or the radius, with two of one name, or with
+    /// an unknown unit.
+    PackBuilder(std::string file, std::vector<std::string> names, const PackReadOptions& options);
     PackBuilder(const PackBuilder&) = delete;
     PackBuilder& operator=(const PackBuilder&) = delete;
 
     const std::vector<std::string>& names() const { return names_; }
-    Unit unit() const { return unit_; }
+    Unit unit() const { return options_.unit; }
     std::size_t rows() const { return pack_.spheres.size(); }
     /// Whether the column is a further one: a pack does not know it by name.
     bool isFurther(std::size_t column) const {
@@ -87,7 +91,11 @@ public:
     Pack<3> finish();
 
 private:
-    enum class SphereNumber { x, y, z, radius, diameter };
+    enum Quantity { x, y, z, radius, diameter };
+    struct SphereNumber {
+        Quantity quantity;
+        Unit unit;
+    };
     using Numbers = std::vector<double>*;
     using Texts = std::vector<std::string>*;
     /// What a column fills: a number of the spheres, or values in the pack.
@@ -98,15 +106,25 @@ private:
     /// Calls `use` with the vector of each column that has one.
     template <class Use>
     void forEachColumn(const Use& use) const;
+    void rename();
+    /// Gives the column that has one of these names, the best first, to the quantity.
+    bool claim(Quantity quantity, const std::vector<std::string>& synonyms);
+    /// The unit in a column's name. @throws InputError for one that is not known.
+    Unit unitOf(const std::string& name) const;
     void setSphere(SphereNumber which, double value);
     void requireSpheres() const;
     /// The error in the last row ("radius is -1; ..."), or an empty text.
     std::string problem() const;
     [[noreturn]] void failRow(const std::string& what) const;
+    [[noreturn]] void failTwice(const std::string& first, const std::string& second) const;
+    /// @param wanted  the column that is missing; empty: one of those of a sphere.
+    [[noreturn]] void failIncomplete(const std::string& wanted = {}) const;
 
     std::string file_;
-    Unit unit_;
+    PackReadOptions options_;
     std::vector<std::string> names_;
+    std::vector<std::string> low_, quantities_;  ///< of the names
+    bool hasRadii_ = false;
     std::vector<Target> columns_;
     Pack<3> pack_;
 };

@@ -20,8 +20,8 @@ namespace {
 
 /// Whether a program that reads the format repeats the cell itself.
 bool isOfSimulation(PackFormat format) {
-    return format == PackFormat::yade || format == PackFormat::lammpsData ||
-           format == PackFormat::lammpsBonds;
+    return format == PackFormat::yade || format == PackFormat::spherePack ||
+           format == PackFormat::lammpsData || format == PackFormat::lammpsBonds;
 }
 
 }  // namespace

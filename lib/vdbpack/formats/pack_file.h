@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -71,6 +72,9 @@ struct PackWriteOptions {
 /// extent, colors by region. Empty attributes are left out. The unit is recorded in every format
 /// but .csv, which has no metadata. 2D: z = `sliceHeight`.
 ///
+/// spherepack: is for YADE's SpherePack.load: x y z r clumpId, and the lengths of a cell that is
+/// periodic along all axes; no unit.
+///
 /// .data is for LAMMPS's atom style sphere and LIGGGHTS's granular: `id type diameter density x y
 /// z` in a box around whole spheres. type is the pack's column `type`, or else 1 + the material
 /// (`Materials`), or 1; spheres with type 0, which were added to those of a file, have the types
@@ -108,8 +112,19 @@ bool holdsSurface(const std::string& file);
 /// ParameterError for a prefix without a file
 std::string packPath(const std::string& file);
 
+/// Names for the columns of a file without names, or with names that are not known.
+struct PackColumns {
+    std::vector<std::string> inOrder;  ///< of all columns; empty: those of the file
+    /// A name ("radius", "x [m]") and the column of the file that gets it.
+    std::vector<std::pair<std::string, std::string>> renamed;
+
+    bool empty() const { return inOrder.empty() && renamed.empty(); }
+};
+
 struct PackReadOptions {
     Unit unit = Unit::millimeter;  ///< of the file, unless the file records its own
+    PackColumns columns;
+    double radius = 0;  ///< mm, of the spheres of a file without radii; 0: such a file is refused
     /// .vdb: the point grid; empty: the first one.
     std::string gridName;
     /// Bytes that the process may hold while it reads; 0: what it holds and what is free.
@@ -117,18 +132,23 @@ struct PackReadOptions {
     Callbacks callbacks{};  ///< warnings, where a file states what a pack cannot hold
 };
 
-/// Reads a pack of any program, in mm: x, y, z and radius (or r, pscale, radii, scalar_radius,
-/// diameter) by name, in any order and case; id, region, order, depth and contacts where there are;
-/// all else as `columns`, in the numbers of the file. The format by prefix ("lammps:f.txt") or
+/// Reads a pack of any program, in mm: x, y, z and radius (or diameter) by name, as `PackBuilder`
+/// knows them, in any order and case; id, region, order, depth and contacts where there are; all
+/// else as `columns`, in the numbers of the file. The format by prefix ("lammps:f.txt") or
 /// extension:
 ///
 /// - .vdb: a grid of points.
-/// - .vtp: ASCII, base64 or raw, plain or deflated; .pvtp: the pieces that it names. .vtkhdf: the
-///   points of unstructured grids and polygon data. .ply: text or binary, either byte order.
-/// - .csv: cells separated by commas, semicolons, tabs or blanks, the columns named by the first
-///   line or by a comment (#) above it.
-/// - yade: x_y_z_r, with id, matId (as region), clumpId or attrs if the #format line says so.
-/// - .xyz: extended XYZ with a column radius; of several frames the last one.
+/// - .vtp, .vtu: ASCII, base64 or raw, plain or deflated; .pvtp, .pvtu: the pieces that they name;
+///   .vtk: legacy polygon data and unstructured grids, text or binary. .vtkhdf: the points of
+///   unstructured grids and polygon data. .ply: text or binary, either byte order.
+/// - .csv, .tsv, .txt, .dat, .input: cells separated by commas, semicolons, tabs or blanks, the
+///   columns named by the first line, by a comment (#) above it, or by `options.columns`.
+/// - yade: x_y_z_r, with id, matId (as region), clumpId or attrs if the #format line says so; and
+///   five columns without one, the last of which is the clump (SpherePack.save).
+/// - .dat that begins with "Version 2.0": particle_input of MFiX. .restart: MercuryDPM. .geo:
+///   GenGeo.
+/// - .xyz: extended XYZ with a column radius, or plain with `options.columns` or `options.radius`;
+///   of several frames the last one.
 /// - .npz: numpy's savez or savez_compressed: arrays positions (N, 3) or x, y, z (N), and radii,
 ///   radius or diameters (N); others of N numbers or texts as the columns of their names.
 /// - .data, lammps:, liggghts:, lammps-bonds: data files of LAMMPS and LIGGGHTS with atom style

@@ -18,6 +18,7 @@ void checkPack(const Pack<Dim>& pack);
 /// Each writes into `out`, which the caller commits. @throws IoError
 void writeCsv(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeSpherePack(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeSvg(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writePly(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
@@ -33,10 +34,18 @@ void writeLammpsBonds(const PackView& pack, const PackWriteOptions& options, Out
 
 /// Each reads the file at `path`. @throws IoError, InputError
 Pack<3> readCsv(const std::string& path, const PackReadOptions& options);
+/// A table, or what the beginning of the file says that it is.
+Pack<3> readTextFile(const std::string& path, const PackReadOptions& options);
 Pack<3> readYade(const std::string& path, const PackReadOptions& options);
+Pack<3> readMfix(const std::string& path, const PackReadOptions& options);
+Pack<3> readMercury(const std::string& path, const PackReadOptions& options);
+Pack<3> readGeo(const std::string& path, const PackReadOptions& options);
 Pack<3> readPly(const std::string& path, const PackReadOptions& options);
 Pack<3> readVtp(const std::string& path, const PackReadOptions& options);
+Pack<3> readVtu(const std::string& path, const PackReadOptions& options);
 Pack<3> readPvtp(const std::string& path, const PackReadOptions& options);
+Pack<3> readPvtu(const std::string& path, const PackReadOptions& options);
+Pack<3> readVtk(const std::string& path, const PackReadOptions& options);
 Pack<3> readVtkHdf(const std::string& path, const PackReadOptions& options);
 Pack<3> readXyz(const std::string& path, const PackReadOptions& options);
 Pack<3> readNpz(const std::string& path, const PackReadOptions& options);
@@ -56,10 +65,19 @@ inline constexpr FormatName kFormatNames[] = {
     {"vdb", PackFormat::vdb, writeVdb, readVdb},
     {"vtp", PackFormat::other, writeVtp, readVtp},
     {"pvtp", PackFormat::pvtp, nullptr, readPvtp},
+    {"vtu", PackFormat::other, nullptr, readVtu},
+    {"pvtu", PackFormat::other, nullptr, readPvtu},
+    {"vtk", PackFormat::other, nullptr, readVtk},
     {"vtkhdf", PackFormat::vtkhdf, nullptr, readVtkHdf},
     {"hdf", PackFormat::vtkhdf, nullptr, readVtkHdf},
     {"ply", PackFormat::other, writePly, readPly},
     {"csv", PackFormat::csv, writeCsv, readCsv},
+    {"tsv", PackFormat::other, nullptr, readCsv},
+    {"txt", PackFormat::other, nullptr, readTextFile},
+    {"dat", PackFormat::other, nullptr, readTextFile},
+    {"input", PackFormat::other, nullptr, readTextFile},
+    {"restart", PackFormat::other, nullptr, readMercury},
+    {"geo", PackFormat::other, nullptr, readGeo},
     {"points", PackFormat::points, writePoints, readVdb, false},
     {"npz", PackFormat::other, writeNpz, readNpz},
     {"xyz", PackFormat::other, writeXyz, readXyz},
@@ -69,6 +87,7 @@ inline constexpr FormatName kFormatNames[] = {
     {"usdz", PackFormat::usdz, writeUsdz, nullptr},
     {"svg", PackFormat::svg, writeSvg, nullptr},
     {"yade", PackFormat::yade, writeYade, readYade, false},
+    {"spherepack", PackFormat::spherePack, writeSpherePack, readYade, false},
     {"data", PackFormat::lammpsData, writeLammps, readLammpsData},
     {"lammps", PackFormat::lammpsData, writeLammps, readLammpsData, false},
     {"liggghts", PackFormat::lammpsData, writeLammps, readLammpsData, false},

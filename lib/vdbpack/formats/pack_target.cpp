@@ -12,7 +12,8 @@ namespace vdbpack {
 namespace {
 
 /// Whether packs are written in a format: by its function, or in pieces, or by HDF5.
-bool isWritten(const FormatName& known) {
+template <class Format>
+bool isWritten(const Format& known) {
     return known.write != nullptr || known.format == PackFormat::pvtp ||
            known.format == PackFormat::vtkhdf;
 }
@@ -68,8 +69,8 @@ PackTarget target(const std::string& file, bool written) {
 
 PackTarget targetToWrite(const std::string& file, int dim) {
     PackTarget t = target(file, true);
-    if (t.format == PackFormat::lammpsDump)
-        throw ParameterError(file + ": dumps are read but not written; " + formatList(true));
+    if (!isWritten(t))
+        throw ParameterError(file + ": this format is read but not written; " + formatList(true));
     if (t.format == PackFormat::svg && dim == 3)
         throw ParameterError(
             file + ": is a picture of circles; for spheres write .vtp or .vdb, or set `slice` z=V");

@@ -24,6 +24,7 @@ enum class PackFormat {
     usdz,
     svg,
     yade,
+    spherePack,
     lammpsData,
     lammpsBonds,
     lammpsDump

@@ -34,10 +34,7 @@ bool isNumber(std::string_view word) {
 class DataFile {
 public:
     DataFile(const std::string& path, const PackReadOptions& options)
-        : file_(path),
-          unit_(options.unit),
-          callbacks_(options.callbacks),
-          knowsDensity_(options.unit != Unit::millimeter) {}
+        : file_(path), options_(options), knowsDensity_(options.unit != Unit::millimeter) {}
 
     Pack<3> read() {
         readTitle();
@@ -50,8 +47,8 @@ public:
             if (words_.size() != 1 || words_.front() != "Atoms") continue;
             if (counts_.count("atoms") == 0) failHeader();
             Pack<3> pack = readAtoms(line);
-            if (box_.isTilted || hasBox_) takeCell(pack, box_, file_.path(), callbacks_);
-            if (knowsDensity_) convertDensity(pack, unit_);
+            if (box_.isTilted || hasBox_) takeCell(pack, box_, file_.path(), options_.callbacks);
+            if (knowsDensity_) convertDensity(pack, options_.unit);
             warnOfVelocities(line);
             return pack;
         }
@@ -86,8 +83,9 @@ private:
         constexpr std::string_view kUnits = "units = ";
         const auto at = line.find(kUnits);
         if (at != std::string_view::npos)
-            knowsDensity_ = takeLammpsUnits(trimmed(line.substr(at + kUnits.size())), unit_);
-        unit_ = unitIn(line, unit_, file_);
+            knowsDensity_ =
+                takeLammpsUnits(trimmed(line.substr(at + kUnits.size())), options_.unit);
+        options_.unit = unitIn(line, options_.unit, file_);
         const auto says = [&](const char* words) {
             return line.find(words) != std::string_view::npos;
         };
@@ -112,8 +110,8 @@ private:
                 continue;
             const auto axis = static_cast<int>(d);
             hasBox_ = true;
-            box_.cell.box.lo[axis] = toMillimeters(lo, unit_);
-            box_.cell.box.hi[axis] = toMillimeters(hi, unit_);
+            box_.cell.box.lo[axis] = toMillimeters(lo, options_.unit);
+            box_.cell.box.hi[axis] = toMillimeters(hi, options_.unit);
             box_.hasFlags = boundary_.size() == 5;
             box_.cell.wraps[d] = box_.hasFlags && boundary_[2 * d] == 'p';
         }
@@ -175,7 +173,7 @@ private:
                                                             : trimmed(heading.substr(comment + 1));
         TextTable table;
         table.names = columnsOf(hint);
-        table.unit = unit_;
+        table.options = options_;
         table.rows = counts_["atoms"];
         const std::uint64_t begin = file_.offset();
         const std::uint64_t lineBefore = file_.lineNumber();
@@ -227,15 +225,15 @@ private:
                 moves = moves || (parseNumber(words_[k], speed) && speed != 0);
         } while (!moves && nextContent(line));
         if (moves)
-            callbacks_.warn(file_.path() +
-                            ": its section Velocities is not read; a dump with vx, vy and vz "
-                            "keeps velocities");
+            options_.callbacks.warn(
+                file_.path() +
+                ": its section Velocities is not read; a dump with vx, vy and vz "
+                "keeps velocities");
     }
 
     InputFile file_;
-    Unit unit_;
-    Callbacks callbacks_;
-    bool knowsDensity_;  ///< the unit of densities is the one that goes with `unit_`
+    PackReadOptions options_;  ///< with the unit of the file
+    bool knowsDensity_;  ///< the unit of densities is the one that goes with the unit of lengths
     bool shifted_ = false, bonded_ = false;  ///< according to the title
     std::string boundary_;                   ///< "p p f" according to the title, or empty
     StatedBox box_;                          ///< of the header

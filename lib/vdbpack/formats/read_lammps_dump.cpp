@@ -54,16 +54,13 @@ constexpr PositionColumns kPositions[] = {{{"x", "y", "z"}, false},
 class DumpFile {
 public:
     DumpFile(const std::string& path, const PackReadOptions& options)
-        : file_(path),
-          unit_(options.unit),
-          callbacks_(options.callbacks),
-          knowsUnits_(options.unit != Unit::millimeter) {}
+        : file_(path), options_(options), knowsUnits_(options.unit != Unit::millimeter) {}
 
     Pack<3> read() {
         const Frame frame = lastFrame();
         TextTable table;
         table.names = frame.names;
-        table.unit = unit_;
+        table.options = options_;
         table.rows = frame.atoms;
         const PositionColumns& position = positionOf(frame);
         std::array<std::size_t, 3> column{};
@@ -88,8 +85,9 @@ public:
         table.nextRow = [&](Cells& cells) { return nextWords(file_, table.names, cells); };
         file_.seek(frame.offset, frame.line);
         Pack<3> pack = readTable(file_, table);
-        if (!frame.bounds[0].empty()) takeCell(pack, statedBox(frame), file_.path(), callbacks_);
-        if (knowsUnits_) convertDensity(pack, unit_);
+        if (!frame.bounds[0].empty())
+            takeCell(pack, statedBox(frame), file_.path(), options_.callbacks);
+        if (knowsUnits_) convertDensity(pack, options_.unit);
         return pack;
     }
 
@@ -121,7 +119,7 @@ private:
             } else if (startsWith(item, "UNITS")) {
                 std::string_view line;
                 if (!file_.nextLine(line)) failBegun("the units are missing");
-                knowsUnits_ = takeLammpsUnits(trimmed(line), unit_) || knowsUnits_;
+                knowsUnits_ = takeLammpsUnits(trimmed(line), options_.unit) || knowsUnits_;
             } else if (startsWith(item, "ATOMS")) {
                 passAtoms(item.substr(std::string_view("ATOMS").size()));
                 last = frame_;
@@ -220,7 +218,9 @@ private:
             });
         if (found == std::end(kPositions))
             failColumns(frame, "columns x y z (or xs ys zs, xu yu zu, xsu ysu zsu)");
-        if (!(has("radius") || has("diameter") || has("r") || has("pscale") || has("radii")))
+        const bool named = options_.radius > 0 || !options_.columns.empty();
+        if (!(named || has("radius") || has("diameter") || has("r") || has("pscale") ||
+              has("radii")))
             failColumns(frame, "column radius or diameter");
         return *found;
     }
@@ -269,17 +269,16 @@ private:
             for (std::size_t k = 2; k < bounds.size(); ++k)
                 stated.isTilted = stated.isTilted || bounds.size() > 3 || bounds[k] != 0;
             if (bounds.size() < 2) return {};
-            stated.cell.box.lo[axis] = toMillimeters(bounds[0], unit_);
-            stated.cell.box.hi[axis] = toMillimeters(bounds[1], unit_);
+            stated.cell.box.lo[axis] = toMillimeters(bounds[0], options_.unit);
+            stated.cell.box.hi[axis] = toMillimeters(bounds[1], options_.unit);
             stated.cell.wraps[d] = stated.hasFlags && frame.boundary[d] == "pp";
         }
         return stated;
     }
 
     InputFile file_;
-    Unit unit_;
-    Callbacks callbacks_;
-    bool knowsUnits_;              ///< of `unit_`, and of densities
+    PackReadOptions options_;      ///< with the unit of the file
+    bool knowsUnits_;              ///< of the unit of lengths, and of densities
     Frame frame_;                  ///< that is being read
     std::uint64_t frameLine_ = 0;  ///< where it begins
     bool begun_ = false;           ///< its header has begun

@@ -40,7 +40,7 @@ std::string arrayName(const std::string& member) {
 class NpzFile {
 public:
     NpzFile(const std::string& path, const PackReadOptions& options)
-        : path_(path), zip_(path), unit_(options.unit), memoryLimit_(options.memoryLimit) {}
+        : path_(path), zip_(path), options_(options) {}
 
     Pack<3> read() {
         describeArrays();
@@ -88,7 +88,7 @@ private:
             if (a.name() != kUnitKey || !a.isText() || !a.shape().empty()) continue;
             if (a.member.size > kLongestHeader) fail("its unit is no word; use m, cm, mm or um");
             load(a);
-            unit_ = unitNamed(a.text(0), path_);
+            options_.unit = unitNamed(a.text(0), path_);
         }
     }
 
@@ -105,7 +105,7 @@ private:
         Array* const radii = named({"radii", "radius", "r", "pscale"});
         Array* const sizes = radii ? radii : named({"diameters", "diameter"});
         Array* const rows = positions ? positions : named({"x"});
-        if (!rows || !sizes) failMissing();
+        if (!rows || (!sizes && !(options_.radius > 0))) failMissing();
         rows_ = rows->rows();
         const auto isColumn = [this](const NpyArray& a, std::uint64_t columns) {
             return !a.shape().empty() && a.rows() == rows_ && a.columns() == columns;
@@ -113,14 +113,14 @@ private:
         if (positions && !isColumn(*positions, 3))
             fail(fmt::format("array '{}' has shape ({}); (N, 3) is needed", positions->name(),
                              fmt::join(positions->shape(), ", ")));
-        if (!isColumn(*sizes, 1))
+        if (sizes && !isColumn(*sizes, 1))
             fail(fmt::format(
                 "array '{}' has shape ({}) beside {} positions; one number each is needed",
                 sizes->name(), fmt::join(sizes->shape(), ", "), rows_));
         if (positions)
             for (std::uint64_t d = 0; d < 3; ++d)
                 columns_.push_back({std::string(1, "xyz"[d]), positions, d});
-        columns_.push_back({radii ? "radius" : "diameter", sizes, 0});
+        if (sizes) columns_.push_back({radii ? "radius" : "diameter", sizes, 0});
         for (Array& a : arrays_) {
             if (&a == positions || &a == sizes || a.name() == kUnitKey ||
                 a.name() == kGeneratorKey || a.shape().empty() || a.rows() != rows_)
@@ -151,14 +151,14 @@ private:
         // Texts are unpacked and copied.
         for (const Array* a : chosen)
             bytes += (a->isText() ? 2 : 1) * static_cast<double>(a->member.size);
-        requireMemoryToRead(path_, bytes, memoryLimit_);
+        requireMemoryToRead(path_, bytes, options_.memoryLimit);
         for (Array* a : chosen) load(*a);
     }
 
     Pack<3> readRows() {
         std::vector<std::string> names;
         for (const Source& s : columns_) names.push_back(s.name);
-        PackBuilder builder(path_, names, unit_);
+        PackBuilder builder(path_, names, options_);
         for (std::size_t c = 0; c < columns_.size(); ++c)
             if (columns_[c].array->isText()) builder.makeText(c);
         loadColumns(builder.bytesOf(rows_));
@@ -178,8 +178,7 @@ private:
 
     std::string path_;
     ZipArchive zip_;
-    Unit unit_;
-    double memoryLimit_;
+    PackReadOptions options_;  ///< with the unit of the file
     std::vector<Array> arrays_;
     std::uint64_t rows_ = 0;
     std::vector<Source> columns_;

@@ -137,9 +137,9 @@ Pack<3> readPly(const std::string& path, const PackReadOptions& options) {
         if (!p.isList) names.push_back(p.name);
         least += body.isText() ? 2 : bytesOf(p.isList ? p.countType : p.type);
     }
-    Unit unit = options.unit;
-    for (const auto& comment : header.comments) unit = unitIn(comment, unit, file);
-    PackBuilder builder(path, names, unit);
+    PackReadOptions stated = options;
+    for (const auto& comment : header.comments) stated.unit = unitIn(comment, stated.unit, file);
+    PackBuilder builder(path, names, stated);
     for (auto element = header.elements.begin(); element != vertex; ++element) body.skip(*element);
     // The last number of a text needs no end.
     if (vertex->count > (file.remaining() + (body.isText() ? 1 : 0)) / least)

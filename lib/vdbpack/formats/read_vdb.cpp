@@ -143,15 +143,15 @@ void sortById(Pack<3>& pack) {
 /// Reads the spheres of a point grid.
 class PointReader {
 public:
-    /// @param unit  of lengths in the grid.
-    PointReader(const points::PointDataGrid& grid, std::string path, Unit unit)
-        : grid_(grid), path_(std::move(path)), unit_(unit) {}
+    /// @param options  with the unit of lengths in the grid.
+    PointReader(const points::PointDataGrid& grid, std::string path, PackReadOptions options)
+        : grid_(grid), path_(std::move(path)), options_(std::move(options)) {}
 
     Pack<3> read() {
         const auto firstLeaf = grid_.tree().cbeginLeaf();
         if (!firstLeaf) return {};
         chooseColumns(*firstLeaf);
-        PackBuilder builder(path_, names_, unit_);
+        PackBuilder builder(path_, names_, options_);
         for (const std::size_t column : textColumns_) builder.makeText(column);
         builder.reserve(static_cast<std::size_t>(count(firstLeaf->attributeSet().descriptor())));
         for (auto leaf = grid_.tree().cbeginLeaf(); leaf; ++leaf) append(*leaf, builder);
@@ -243,7 +243,7 @@ private:
 
     const points::PointDataGrid& grid_;
     std::string path_;
-    Unit unit_;
+    PackReadOptions options_;
     std::size_t positions_ = points::AttributeSet::INVALID_POS;  ///< index of the attribute
     std::vector<std::string> names_ = {"x", "y", "z"};
     std::vector<Source> sources_;  ///< of the columns after x, y and z
@@ -274,9 +274,10 @@ Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
                             options.gridName.empty() ? "" : " '" + options.gridName + "'",
                             found.empty() ? "nothing" : found));
         const std::string unit = noted(*grid, kUnitKey), cell = noted(*grid, kCellKey);
-        const Unit stated = unit.empty() ? options.unit : unitNamed(unit, path);
+        PackReadOptions stated = options;
+        if (!unit.empty()) stated.unit = unitNamed(unit, path);
         pack = PointReader(*grid, path, stated).read();
-        if (!cell.empty()) pack->cell = cellIn(cell, stated, path);
+        if (!cell.empty()) pack->cell = cellIn(cell, stated.unit, path);
     });
     return std::move(*pack);
 }

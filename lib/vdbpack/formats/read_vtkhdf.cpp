@@ -52,9 +52,8 @@ public:
     }
 
     Pack<3> read() {
-        Unit unit = options_.unit;
         const std::string named = textOf(kUnitKey);
-        if (!named.empty()) unit = unitNamed(named, path_);
+        if (!named.empty()) options_.unit = unitNamed(named, path_);
         std::vector<Array> arrays;
         arrays.push_back(arrayOf(group_, "Points"));
         if (arrays.front().components != 3) fail("its points do not have three coordinates");
@@ -70,7 +69,7 @@ public:
         std::vector<std::string> columns{"x", "y", "z"};
         for (std::size_t a = 1; a < arrays.size(); ++a)
             addNames(columns, arrays[a].name, arrays[a].components);
-        PackBuilder builder(path_, columns, unit);
+        PackBuilder builder(path_, columns, options_);
         requireMemoryToRead(path_, builder.bytesOf(points), options_.memoryLimit);
         builder.reserve(points);
         for (std::uint64_t first = 0; first < points; first += kRowsAtATime) {

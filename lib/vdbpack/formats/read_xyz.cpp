@@ -53,7 +53,8 @@ std::vector<std::string> columnsOf(std::string_view properties, const InputFile&
     if (properties.empty() || words.size() % 3 != 0)
         file.failAtLine(
             "does not describe the columns; write it as extended XYZ, with "
-            "Properties=species:S:1:pos:R:3:radius:R:1");
+            "Properties=species:S:1:pos:R:3:radius:R:1, name the columns with `columns`, or set "
+            "`packRadius` for elements and positions without radii");
     std::vector<std::string> names;
     // A row takes two bytes for each of its columns.
     const std::uint64_t most = (file.size() - file.offset()) / 2 + 100;
@@ -121,13 +122,21 @@ Pack<3> readFrame(InputFile& file, std::uint64_t count, const PackReadOptions& o
     if (!file.nextLine(line))
         file.fail("ends before the line that describes the columns; the file is cut short");
     TextTable table;
-    table.names = columnsOf(valueOf(line, "properties"), file);
-    table.unit = options.unit;
+    const auto properties = valueOf(line, "properties");
+    if (!properties.empty())
+        table.names = columnsOf(properties, file);
+    else if (!options.columns.inOrder.empty())
+        table.names = options.columns.inOrder;
+    else if (options.radius > 0)  // plain: elements and their positions
+        table.names = {std::string(kXyzSpecies), "x", "y", "z"};
+    else
+        columnsOf({}, file);
+    table.options = options;
     table.rows = count;
     if (const auto name = valueOf(line, kUnitKey); !name.empty())
-        table.unit = unitIn(kUnitComment + std::string(name), table.unit, file);
+        table.options.unit = unitIn(kUnitComment + std::string(name), table.options.unit, file);
     table.nextRow = [&](Cells& cells) { return nextWords(file, table.names, cells); };
-    const auto box = boxOf(line, table.unit, file);
+    const auto box = boxOf(line, table.options.unit, file);
     Pack<3> pack = readTable(file, table);
     if (box) takeCell(pack, *box, file.path(), options.callbacks);
     auto& columns = pack.columns;

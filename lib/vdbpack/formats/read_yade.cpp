@@ -1,5 +1,5 @@
 // YADE's text formats (ymport.text, textExt and textClumps): x y z r and what the #format line
-// adds.
+// adds; and those of SpherePack.save, whose fifth column, if there is one, is the clump.
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/text_table.h"
@@ -35,7 +35,7 @@ bool columnsOf(std::string_view format, std::vector<std::string>& names, bool& a
     names.insert(names.end(), {"x", "y", "z", "r"});
     attributes = rest == "_attrs";
     if (rest == "_matId") names.push_back("region");
-    if (rest == "_clumpId") names.push_back("clumpId");
+    if (rest == "_clumpId") names.push_back(kYadeClump);
     return rest.empty() || attributes || rest == "_matId" || rest == "_clumpId";
 }
 
@@ -58,10 +58,11 @@ void nameAttributes(std::string_view firstRow, std::string_view comment,
 Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
     InputFile file(path);
     TextTable table;
-    table.unit = options.unit;
+    table.options = options;
     table.names = {"x", "y", "z", "r"};
     bool attributes = false;  // there may be any number of further columns
-    std::string comment;      // the last one above the spheres
+    bool hasFormat = false;
+    std::string comment;  // the last one above the spheres
     std::string cell, periods;
     const std::string kCellNote = std::string(kCellKey) + ": ";
     std::string_view line;
@@ -76,6 +77,7 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
         if (line.front() != '#') break;
         if (startsWith(line, kFormat)) {
             const auto format = trimmed(line.substr(kFormat.size()));
+            hasFormat = true;
             if (!columnsOf(format, table.names, attributes))
                 file.failAtLine("format " + quotedExcerpt(format) +
                                 " is not supported; use x_y_z_r, which id_ may precede and _matId, "
@@ -85,11 +87,14 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
         } else if (startsWith(line, kYadeCell)) {
             periods = line.substr(kYadeCell.size());
         } else {
-            table.unit = unitIn(line, table.unit, file);
+            table.options.unit = unitIn(line, table.options.unit, file);
             comment = line.substr(1);
         }
     }
     if (attributes) nameAttributes(line, comment, table.names);
+    Cells firstRow;
+    splitAtBlanks(line, firstRow);
+    if (!hasFormat && firstRow.size() == 5) table.names.push_back(kYadeClump);
 
     file.seek(begin, lineBefore);
     table.nextRow = [&](Cells& cells) {
@@ -104,9 +109,18 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
         return true;
     };
     Pack<3> pack = readTable(file, table);
+    // -1: the sphere is not in a clump.
+    auto& columns = pack.columns;
+    columns.erase(std::remove_if(columns.begin(), columns.end(),
+                                 [](const Column& c) {
+                                     return c.name == kYadeClump && !c.numbers.empty() &&
+                                            std::all_of(c.numbers.begin(), c.numbers.end(),
+                                                        [](double clump) { return clump == -1; });
+                                 }),
+                  columns.end());
     // The periods have no corner: positions are those of any image.
     if (cell.empty() && !periods.empty()) cell = "xyz 0 0 0 " + periods;
-    if (!cell.empty()) pack.cell = cellIn(cell, table.unit, path);
+    if (!cell.empty()) pack.cell = cellIn(cell, table.options.unit, path);
     return pack;
 }
 

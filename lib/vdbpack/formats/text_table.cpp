@@ -23,7 +23,7 @@ Pack<3> readTable(InputFile& file, const TextTable& table) {
     Cells cells;
     const auto where = [&file] { return "line " + std::to_string(file.lineNumber()); };
     for (;;) {
-        PackBuilder builder(file.path(), table.names, table.unit);
+        PackBuilder builder(file.path(), table.names, table.options);
         for (std::size_t c = 0; c < columns; ++c)
             if (isText[c]) builder.makeText(c);
         builder.reserve(static_cast<std::size_t>(room));

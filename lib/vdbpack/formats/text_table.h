@@ -16,7 +16,7 @@ namespace vdbpack {
 
 struct TextTable {
     std::vector<std::string> names;     ///< of the columns, as `PackBuilder` takes them
-    Unit unit = Unit::millimeter;       ///< of lengths in the file
+    PackReadOptions options;            ///< with the unit of lengths in the file
     std::optional<std::uint64_t> rows;  ///< as the file announces; null: up to its end
     /// Reads a row into `cells`; returns false after the last one. Called from the first row again
     /// if the table is read a second time.

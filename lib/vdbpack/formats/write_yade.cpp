@@ -1,4 +1,4 @@
-// YADE's text format (ymport.textExt): x y z r and the material.
+// YADE's text formats: x y z r and the material (ymport.textExt), or the clump (SpherePack.load).
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_formats.h"
@@ -39,6 +39,26 @@ PackTextRows yadeRows(const PackView& pack, const PackWriteOptions& options) {
         text += '\n';
     };
     return rows;
+}
+
+void writeSpherePack(const PackView& pack, const PackWriteOptions&, OutputFile& out) {
+    const Column* clumps = nullptr;
+    for (const Column& column : pack.columns())
+        if (column.name == kYadeClump && !column.numbers.empty()) clumps = &column;
+    if (const PeriodicCell<3>& cell = pack.cell(); cell.all()) {
+        std::string line(kYadeCell);
+        for (int d = 0; d < 3; ++d) appendNumber(line += ' ', cell.length(d));
+        out.write(line + '\n');
+    }
+    writeRows(out, pack.size(), [&pack, clumps](std::string& text, std::size_t i) {
+        for (const double c : pack.position(i)) {
+            appendNumber(text, c);
+            text += ' ';
+        }
+        appendNumber(text, pack.radius(i));
+        const double clump = clumps ? clumps->numbers[i] : -1;
+        text += fmt::format(" {:.0f}\n", clump);
+    });
 }
 
 void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {

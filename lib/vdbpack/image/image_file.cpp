@@ -148,8 +148,8 @@ bool namesImage(const std::string& path) {
         if (extension == other) return true;
     if (isNifti(path) || isTiff(path)) return true;
     // A folder with the name of a mesh or a pack is a mistake.
-    for (const char* other : {".stl", ".obj", ".ply", ".off", ".vtp", ".vtk", ".vdb", ".csv",
-                              ".npz", ".xyz", ".data", ".hdf", ".vtkhdf", ".pvtp"})
+    for (const char* other : {".stl", ".obj", ".ply", ".off", ".gts", ".vtp", ".vtk", ".vdb",
+                              ".csv", ".npz", ".xyz", ".data", ".hdf", ".vtkhdf", ".pvtp"})
         if (extension == other) return false;
     return isFolder(path);
 }

@@ -2,12 +2,14 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/stated_unit.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 
 namespace vdbpack {
@@ -82,9 +84,11 @@ bool DelimitedText::split(std::string_view line, char separator, Cells& cells) {
 bool DelimitedText::namesCoordinates(std::string_view line) {
     Cells cells;
     if (!split(line, separatorOf(line), cells)) return false;
+    static const std::vector<std::string> kNames = axisNames(0);
     return std::any_of(cells.begin(), cells.end(), [](std::string_view cell) {
-        const std::string name = canonicalName(cell);
-        return name == "x" || name == "points0" || name == "coord1" || name == "coor1";
+        const std::string name = columnName(cell).quantity;
+        return std::find(kNames.begin(), kNames.end(), name) != kNames.end() || name == "coord1" ||
+               name == "coor1";
     });
 }
 
@@ -135,6 +139,28 @@ void DelimitedText::readHeader(const std::string& columns, const std::string& al
             file_.path(), headerLine_, columns, alternative));
 }
 
+void DelimitedText::takeNames(std::vector<std::string> names) {
+    names_ = std::move(names);
+    std::string_view line;
+    for (std::uint64_t begin = file_.offset(); file_.nextLine(line); begin = file_.offset()) {
+        const auto content = trimmed(line);
+        if (content.empty() || content.front() == '#' || isSeparatorLine(content)) continue;
+        headerLine_ = file_.lineNumber();
+        separator_ = separatorOf(line);
+        Cells cells;
+        if (!split(line, separator_, cells)) file_.failAtLine(kOpenQuote);
+        if (cells.size() != names_.size())
+            file_.failAtLine(fmt::format("has {} cells, and `columns` names {}; name each of them",
+                                         cells.size(), names_.size()));
+        const bool isRow = std::any_of(cells.begin(), cells.end(), [](std::string_view cell) {
+            double number = 0;
+            return parseNumber(cell, number);
+        });
+        if (isRow) file_.seek(begin, headerLine_ - 1);
+        return;
+    }
+}
+
 bool DelimitedText::nextRow(Cells& cells) {
     std::string_view line;
     while (file_.nextLine(line)) {
@@ -166,6 +192,42 @@ std::string canonicalName(std::string_view name) {
     result.erase(std::remove_if(result.begin(), result.end(), [&](char c) { return !kept(c); }),
                  result.end());
     return result;
+}
+
+ColumnName columnName(std::string_view name) {
+    const std::string low(trimmed(lowered(name)));
+    const std::size_t open = low.find_first_of("[(");
+    if (open != std::string::npos && open > 0) {
+        const std::size_t close = std::min(low.find_first_of("])", open), low.size());
+        const std::string within(trimmed(std::string_view(low).substr(open + 1, close - open - 1)));
+        const std::string quantity = canonicalName(low);
+        std::int64_t component = 0;
+        return parseInteger(within, component) ? ColumnName{quantity + within, {}}
+                                               : ColumnName{quantity, within};
+    }
+    // Units of length that are not read, and are not to be taken for a part of the name.
+    constexpr std::string_view kOthers[] = {"nm",     "inch",  "px",    "pixel",
+                                            "pixels", "voxel", "voxels"};
+    const std::size_t at = low.find_last_of("/_ ");
+    if (at != std::string::npos && at > 0) {
+        const std::string last = low.substr(at + 1);
+        if (low[at] == '/' || unitCalled(last) ||
+            std::find(std::begin(kOthers), std::end(kOthers), last) != std::end(kOthers))
+            return {canonicalName(low.substr(0, at)), last};
+    }
+    return {canonicalName(low), {}};
+}
+
+std::vector<std::string> axisNames(int axis) {
+    const std::string a(1, "xyz"[axis]), number = std::to_string(axis);
+    std::vector<std::string> names{a};
+    for (const char* word : {"pos", "position", "p", "coord", "coordinate", "center", "centre"}) {
+        names.push_back(word + a);
+        names.push_back(a + word);
+    }
+    for (const char* word : {"points", "position", "positions", "pos", "coordinates"})
+        names.push_back(word + number);
+    return names;
 }
 
 }  // namespace vdbpack

@@ -31,6 +31,9 @@ public:
     /// @param columns  names to write, and `alternative` another remedy ("or ..."), for messages.
     /// @throws InputError if no line names columns.
     void readHeader(const std::string& columns, const std::string& alternative = {});
+    /// The same where the caller names the columns: takes the first line only if it has no number.
+    /// @throws InputError if it has not one cell for each name.
+    void takeNames(std::vector<std::string> names);
     const std::vector<std::string>& names() const { return names_; }
     std::uint64_t headerLine() const { return headerLine_; }
 
@@ -59,5 +62,16 @@ private:
 
 /// A column's name without case, signs and what follows a bracket: "thetaz" for "Theta_Z [rad]".
 std::string canonicalName(std::string_view name);
+
+/// What the name of a column says: "posx" and "um" for "Pos_X [um]", "Pos_X/um" and "pos_x_um";
+/// "points0" and "" for "Points[0]" and "Points_0".
+struct ColumnName {
+    std::string quantity;  ///< as `canonicalName`
+    std::string unit;      ///< any word in brackets or behind a slash, or one of length
+};
+ColumnName columnName(std::string_view name);
+
+/// The quantities that are a coordinate, 0 to 2, the best first: x, posx, xpos, positionx, ...
+std::vector<std::string> axisNames(int axis);
 
 }  // namespace vdbpack

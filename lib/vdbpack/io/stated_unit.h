@@ -1,12 +1,30 @@
-// The unit of length that a file of ours states in a comment or header.
+// Units of length by the words of comments and headers.
 #pragma once
 
 #include "vdbpack/core/units.h"
 
 #include <optional>
 #include <string_view>
+#include <utility>
 
 namespace vdbpack {
+
+/// The unit of length that a word in small letters names.
+inline std::optional<Unit> unitCalled(std::string_view word) {
+    constexpr std::pair<std::string_view, Unit> kWords[] = {{"m", Unit::meter},
+                                                            {"meter", Unit::meter},
+                                                            {"metre", Unit::meter},
+                                                            {"cm", Unit::centimeter},
+                                                            {"mm", Unit::millimeter},
+                                                            {"um", Unit::micrometer},
+                                                            {"\u00b5m", Unit::micrometer},
+                                                            {"\u03bcm", Unit::micrometer},
+                                                            {"micron", Unit::micrometer},
+                                                            {"microns", Unit::micrometer}};
+    for (const auto& [known, unit] : kWords)
+        if (word == known) return unit;
+    return std::nullopt;
+}
 
 /// The unit after `kUnitComment` in a comment or header; nothing if it states none of ours.
 inline std::optional<Unit> statedUnit(std::string_view comment) {

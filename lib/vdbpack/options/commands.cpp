@@ -18,16 +18,24 @@ const char* const kResultAsJson = "print the result as JSON";
 const char* const kRequiredDomain = "DOMAIN (required without a cell in PACK)";
 const Names<Fill> kFills{{"domain", Fill::domain}, {"solid", Fill::solid}};
 
-void partsOption(OptionList& rows, std::string& file, const char* help) {
+const Names<PartsBy> kPartsBy{{"group", PartsBy::group}, {"component", PartsBy::component}};
+
+void partsOption(OptionList& rows, std::string& file, PartsBy& by, const char* help) {
     rows.group("Domain");
     rows.text("parts", "FILE.toml", file, help).as("partsFile").naming(FileIn::whole);
+    rows.choice(
+            "parts-by", "group|component", by, kPartsBy,
+            "take several parts from the mesh of the domain: the solids of an ASCII .stl or the "
+            "groups (g, o) of an .obj, or its connected components")
+        .as("partsBy")
+        .excludes = "parts";
 }
 
 void list(OptionList& rows, PackJob& job, PrintOptions& print) {
     domainArgument(rows, job.domain);
     outputOption(rows, job.outputs);
     domainOptions(rows, job.domain);
-    partsOption(rows, job.partsFile,
+    partsOption(rows, job.partsFile, job.domain.partsBy,
                 "pack several domains, each a table [[part]] of a TOML file: name, domain, and "
                 "options by their names. Where they overlap, the later one has the space");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
@@ -104,7 +112,7 @@ void list(OptionList& rows, DensifyRecipe& job, PrintOptions& print) {
 
 void list(OptionList& rows, VerifyRecipe& job, PrintOptions& print) {
     inputPackOptions(rows, job, "PACK", kPackHelp);
-    partsOption(rows, job.partsFile,
+    partsOption(rows, job.partsFile, job.domain.partsBy,
                 "the parts that the pack was made with: each sphere is held against its own");
     gapOption(rows, job.gap, "least distance required between spheres, mm");
     rows.group("Run");
@@ -116,10 +124,11 @@ void list(OptionList& rows, VerifyRecipe& job, PrintOptions& print) {
 }
 
 void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
-    inputPackOptions(rows, job, "FILE",
-                     std::string("a pack: ") + kPackHelp +
-                         "; or a solid: a level set (.vdb), a mesh (.stl .obj .off .ply .vtk) or "
-                         "an image (with `label` or `threshold`)");
+    inputPackOptions(
+        rows, job, "FILE",
+        std::string("a pack: ") + kPackHelp +
+            "; or a solid: a level set (.vdb), a mesh (.stl .obj .off .ply .gts .vtk) or "
+            "an image (with `label` or `threshold`)");
     outputOption(rows, job.outputs, "contacts:FILE.csv: the pairs in contact");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     rows.group("Domain");
@@ -141,9 +150,9 @@ void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
 void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
     packArgument(rows, job, "PACK",
                  std::string("a pack: ") + kPackHelp +
-                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply .vtk)");
+                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply .gts .vtk)");
     outputOption(rows, job.outputs);
-    unitOption(rows, "pack-unit", job.packUnit, "unit of PACK, if the file states none");
+    packReadingOptions(rows, job.packUnit, job.packColumns, job.packRadius, "PACK");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     imagesOption(rows, job.images);
     unitOption(rows, "unit", job.domain.unit, "unit of the domain's file");
@@ -177,7 +186,7 @@ void fileOptions(OptionList& rows, RunSettings& settings, DomainRecipe& domain,
 }
 
 void list(OptionList& rows, MeshRecipe& job, PrintOptions& print) {
-    rows.text("FILE", "", job.domain.source, "mesh (.stl .obj .ply .off .vtp .vtk)")
+    rows.text("FILE", "", job.domain.source, "mesh (.stl .obj .ply .off .gts .vtp .vtk)")
         .naming(FileIn::pack)
         .required = true;
     outputOption(rows, job.outputs, "write the mesh as .stl; with `repair`, the repaired mesh");
@@ -208,7 +217,7 @@ void list(OptionList& rows, ViewJob& job, PrintOptions& print) {
                 [&job](const std::string&) { job.opens = false; })
         .kind = OptionKind::flag;
     cutAndColor(rows, job.preview);
-    unitOption(rows, "pack-unit", job.packUnit, "unit of PACK, if the file states none");
+    packReadingOptions(rows, job.packUnit, job.packColumns, job.packRadius, "PACK");
     domainOption(rows, job.domain, "domain whose wall is shown around the spheres: ");
     domainOptions(rows, job.domain);
     threadsOption(rows, job);

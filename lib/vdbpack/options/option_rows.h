@@ -47,6 +47,9 @@ extern const char* const kPackHelp;
 /// @param domainShown  of the domain in the help.
 void inputPackOptions(OptionList& rows, InputPack& input, const char* name, const std::string& help,
                       const char* domainShown = "DOMAIN");
+/// How a pack of another program is read.
+void packReadingOptions(OptionList& rows, Unit& unit, PackColumns& columns, double& radius,
+                        const char* pack);
 void packArgument(OptionList& rows, InputPack& input, const char* name, const std::string& help);
 /// @param help  null: that of runs with spheres.
 void outputOption(OptionList& rows, std::vector<OutputTarget>& outputs, const char* help = nullptr);

@@ -7,6 +7,7 @@
 #include "vdbpack/domain/domain_recipe.h"
 #include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/output_target.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/pack/size_distribution.h"
@@ -68,6 +69,8 @@ struct PackRecipe : RunSettings {
     /// What a program has in memory, mm, in place of the file that `existing` names in messages.
     std::shared_ptr<const Pack<3>> givenExisting;
     Unit packUnit = Unit::millimeter;  ///< of `existing`, if the file states none
+    PackColumns packColumns;           ///< of `existing`, in place of its names
+    double packRadius = 0;             ///< mm, of the spheres of `existing` if it has no radii
     /// What several parts are filled with, each in a domain of its own: bone and implant. Where
     /// they overlap, the later one has the space. Of a part, files and threads are not used; empty:
     /// `domain` is the only one, unless its `label` names several.
@@ -88,9 +91,11 @@ struct InputPack : RunSettings {
     /// What a program has in memory, mm, in place of the file that `pack` names in messages.
     std::shared_ptr<const Pack<3>> given;
     Unit packUnit = Unit::millimeter;
-    std::string packGrid;  ///< point grid in a .vdb; empty: the first
-    DomainRecipe domain;   ///< `source` empty: what needs no domain
-    SizeRequest radius;    ///< what the radii are compared with; empty: nothing
+    PackColumns packColumns;  ///< in place of the names in the file
+    double packRadius = 0;    ///< mm, of its spheres if it has no radii; 0: such a file is refused
+    std::string packGrid;     ///< point grid in a .vdb; empty: the first
+    DomainRecipe domain;      ///< `source` empty: what needs no domain
+    SizeRequest radius;       ///< what the radii are compared with; empty: nothing
     WeightBy weightBy = WeightBy::count;
 
     /// `radius` in a dimension, 2 or 3.

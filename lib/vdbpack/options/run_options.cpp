@@ -13,15 +13,17 @@
 namespace vdbpack {
 
 const char* const kPackHelp =
-    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), "
-    "LAMMPS or LIGGGHTS data or dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
+    ".vdb (point grid), .csv, .txt, .dat, .vtp, .vtu, .vtk, .hdf, .pvtp, .pvtu, .ply, .xyz, .npz, "
+    "YADE text (yade:FILE.txt), LAMMPS or LIGGGHTS data or dump (.data, .dump, lammps:FILE, "
+    "dump:FILE), MercuryDPM .restart, GenGeo .geo; from any program";
 
 namespace {
 
 const char* const kOutputHelp =
     "file to write; may be repeated. Packs: .vdb .vtp .hdf .pvtp .ply .csv .xyz .npz .usda .usdz, "
     ".data or lammps:FILE or liggghts:FILE, lammps-bonds:FILE (pairs in contact as bonds), "
-    "yade:FILE.txt, points:FILE.vdb (no level sets), .svg (circles). Solids: .stl "
+    "yade:FILE.txt, spherepack:FILE.txt, points:FILE.vdb (no level sets), .svg (circles). Solids: "
+    ".stl "
     "(surface:FILE.stl, voids:FILE.stl or solid:FILE.stl selects one), levelsets:FILE.vdb, "
     "fog:FILE.vdb. blender:FILE.py: a script that shows the spheres. Lists: contacts:FILE.csv "
     "(pairs in contact), materials:FILE.csv, list:FILE.csv (voids). Label maps (.nii .nii.gz .nrrd "
@@ -35,6 +37,32 @@ const Names<PreviewColor> kColors{{"radius", PreviewColor::radius},
                                   {"region", PreviewColor::region},
                                   {"depth", PreviewColor::depth},
                                   {"order", PreviewColor::order}};
+
+PackColumns parseColumns(const std::string& text) {
+    PackColumns columns;
+    for (const std::string& item : splitAt(text, ',')) {
+        const auto sign = item.find('=');
+        if (sign == item.npos)
+            columns.inOrder.push_back(item);
+        else
+            columns.renamed.emplace_back(trimmed(item.substr(0, sign)),
+                                         trimmed(item.substr(sign + 1)));
+        if (item.empty() || sign == 0 || sign + 1 == item.size() ||
+            (!columns.inOrder.empty() && !columns.renamed.empty()))
+            throw ParameterError("`packColumns` '" + text +
+                                 "': write the names of all columns, such as x,y,z,r, or new names "
+                                 "of some, such as x=East,y=North,z=Up,r=size");
+    }
+    return columns;
+}
+
+std::string textOf(const PackColumns& columns) {
+    std::string text;
+    for (const std::string& name : columns.inOrder) text += (text.empty() ? "" : ",") + name;
+    for (const auto& [name, from] : columns.renamed)
+        text += (text.empty() ? "" : ",") + name + "=" + from;
+    return text;
+}
 
 void setColor(PreviewOptions& preview, const std::string& name) {
     if (name.empty()) throw ParameterError("`preview.color`: must not be empty");
@@ -78,6 +106,25 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text) {
     return seeds;
 }
 
+void packReadingOptions(OptionList& rows, Unit& unit, PackColumns& columns, double& radius,
+                        const char* pack) {
+    const std::string of = pack;
+    unitOption(rows, "pack-unit", unit, ("unit of " + of + ", if its file states none").c_str());
+    rows.group("Units");
+    rows.custom(
+            "columns", "NAMES",
+            "names for the columns of " + of +
+                " where its file has none, or unknown ones: of all columns in order, such as "
+                "x,y,z,r,material, or of some, such as x=East,diameter=size; a unit may follow: "
+                "radius_um",
+            [&columns](const std::string& text) { columns = parseColumns(text); },
+            [&columns] { return textOf(columns); })
+        .as("columns packColumns");
+    rows.length("pack-radius", "R", radius, Range::positive,
+                "radius of all spheres of " + of + ", if its file has no radii, mm")
+        .as("packRadius");
+}
+
 void packArgument(OptionList& rows, InputPack& input, const char* name, const std::string& help) {
     rows.group("");
     rows.text(name, "", input.pack, help).naming(FileIn::pack).required = true;
@@ -88,7 +135,7 @@ void inputPackOptions(OptionList& rows, InputPack& input, const char* name, cons
     packArgument(rows, input, name, help);
     domainOption(rows, input.domain, {}, domainShown);
     domainOptions(rows, input.domain);
-    unitOption(rows, "pack-unit", input.packUnit, "unit of the pack, if its file states none");
+    packReadingOptions(rows, input.packUnit, input.packColumns, input.packRadius, "the pack");
     sizeOptions(rows, input.radius, input.weightBy, "; the radii of the pack are compared with it");
     contactTolerance(rows, input.contactTolerance);
     threadsOption(rows, input);

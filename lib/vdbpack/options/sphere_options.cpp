@@ -116,7 +116,7 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
               "pack around the spheres of a file in any pack format; outputs contain these "
               "spheres first, unchanged")
         .naming(FileIn::pack);
-    unitOption(rows, "pack-unit", recipe.packUnit, "unit of `existing`, if the file states none");
+    packReadingOptions(rows, recipe.packUnit, recipe.packColumns, recipe.packRadius, "`existing`");
 }
 
 void densityOption(OptionList& rows, std::string& density) {

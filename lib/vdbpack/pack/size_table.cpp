@@ -1,9 +1,9 @@
 #include "vdbpack/pack/size_table.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/units.h"
 #include "vdbpack/io/delimited_text.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/stated_unit.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
@@ -28,15 +28,6 @@ struct SizeColumn {
 
 bool isOneOf(std::string_view word, std::initializer_list<std::string_view> words) {
     return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-/// The unit of length that a word names.
-std::optional<Unit> unitOf(std::string_view word) {
-    if (word == "m") return Unit::meter;
-    if (word == "cm") return Unit::centimeter;
-    if (word == "mm") return Unit::millimeter;
-    if (isOneOf(word, {"um", "µm", "μm", "micron", "microns"})) return Unit::micrometer;
-    return std::nullopt;
 }
 
 /// Words of a name in small letters, without signs: "Sieve size [mm]" as sieve, size, mm.
@@ -74,8 +65,8 @@ std::optional<SizeColumn> columnNamed(std::string_view name, SizeTable kind) {
             isOneOf(word, {"by", "mass", "percent", "%", "wt%", "pct"});
         if (named && (!quantity || *quantity == *named))
             quantity = named;
-        else if (!unit && unitOf(word))
-            unit = unitOf(word);
+        else if (!unit && unitCalled(word))
+            unit = unitCalled(word);
         else if (named || !isFiller)
             return std::nullopt;
         isPercent = isPercent || isOneOf(word, {"percent", "%", "wt%", "pct", "mass"});

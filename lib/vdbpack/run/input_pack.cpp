@@ -6,6 +6,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/with_images.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
@@ -41,12 +42,18 @@ void warnOfSharedIds(const Pack<3>& pack, const std::string& file, const Callbac
 std::optional<Pack<3>> readInputPackUnlessSolid(const InputPack& recipe,
                                                 const Callbacks& callbacks) {
     const std::string extension = recipe.given ? "" : extensionOf(recipe.pack);
-    if (extension == ".stl" || extension == ".obj" || extension == ".off" || extension == ".vtk")
+    if (extension == ".stl" || extension == ".obj" || extension == ".off" || extension == ".gts")
         return std::nullopt;
     try {
         return readInputPack(recipe, callbacks);
-    } catch (const InputError&) {
+    } catch (const InputError& noPack) {
         if (extension == ".ply") return std::nullopt;  // without radii: a mesh
+        if (extension == ".vtk" || extension == ".vtp") try {
+                readMesh(recipe.pack);
+                return std::nullopt;
+            } catch (const InputError&) {
+                throw noPack;
+            }
         // Without points it may be a level set; if it is neither, the first message is the better.
         if (extension != ".vdb" || !holdsLevelSet(recipe.pack)) throw;
         return std::nullopt;
@@ -60,6 +67,8 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
         throw IoError(recipe.pack + ": is a folder; name a pack in it");
     PackReadOptions read;
     read.unit = recipe.packUnit;
+    read.columns = recipe.packColumns;
+    read.radius = recipe.packRadius;
     read.gridName = recipe.packGrid;
     read.memoryLimit = recipe.memoryLimit;
     read.callbacks = callbacks;

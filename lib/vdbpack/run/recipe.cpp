@@ -239,6 +239,8 @@ Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight, const Callb
     if (recipe.existing.empty()) return {};
     PackReadOptions read;
     read.unit = recipe.packUnit;
+    read.columns = recipe.packColumns;
+    read.radius = recipe.packRadius;
     read.memoryLimit = recipe.memoryLimit;
     read.callbacks = callbacks;
     Pack<3> pack = recipe.givenExisting ? *recipe.givenExisting : readPack(recipe.existing, read);

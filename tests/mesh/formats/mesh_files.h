@@ -9,9 +9,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
+#include <utility>
 
 namespace vdbpack::test {
 
@@ -65,6 +68,24 @@ inline std::string obj(const TriangleMesh& mesh,
 
 inline std::string plainCorner(std::uint32_t v, std::size_t) {
     return std::to_string(v);
+}
+
+/// GTS: each edge once, with the lower vertex first.
+inline std::string gts(const TriangleMesh& mesh) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> edges;
+    std::string vertices, between, faces;
+    for (const auto& v : mesh.vertices) vertices += fmt::format("{} {} {}\n", v[0], v[1], v[2]);
+    for (const auto& t : mesh.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto ends = std::minmax(t[k], t[(k + 1) % 3]);
+            const auto [edge, added] = edges.emplace(ends, edges.size() + 1);
+            if (added) between += fmt::format("{} {}\n", ends.first + 1, ends.second + 1);
+            faces += fmt::format("{}{}", edge->second, k == 2 ? "\n" : " ");
+        }
+    }
+    return fmt::format("# edges\n{} {} {} GtsSurface GtsFace GtsEdge GtsVertex\n{}{}{}",
+                       mesh.vertices.size(), edges.size(), mesh.triangles.size(), vertices, between,
+                       faces);
 }
 
 inline std::string off(const TriangleMesh& mesh) {

@@ -22,6 +22,7 @@ std::vector<Sample> samples(const TriangleMesh& mesh) {
             {"a.stl", asciiStl(mesh)},
             {"a.obj", obj(mesh, plainCorner)},
             {"a.off", off(mesh)},
+            {"a.gts", gts(mesh)},
             {"a.ply", ply(mesh, "ascii")},
             {"l.ply", ply(mesh, "binary_little_endian")},
             {"b.ply", ply(mesh, "binary_big_endian")},

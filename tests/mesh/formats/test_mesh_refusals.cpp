@@ -31,6 +31,8 @@ TEST_CASE("files of an unknown format or without triangles are refused") {
     const RefusedFiles folder;
     CHECK_THAT(folder.refusal("skull.3mf", "x"), Contains("'.3mf'") && Contains(".stl"));
     CHECK_THAT(folder.refusal("noextension", "x"), Contains(".stl"));
+    CHECK_THAT(folder.refusal("C0001.ISQ;1", "CTDATA-HEADER_V1"),
+               Contains("SCANCO") && Contains(".nrrd"));
     CHECK_THAT(folder.refusal("n.stl", "solid x\nendsolid x\n"), Contains("n.stl"));
     CHECK_THAT(folder.refusal("n.stl", binaryStl({})), Contains("n.stl"));
     CHECK_THAT(folder.refusal("n.obj", "v 0 0 0\n"), Contains("n.obj"));
@@ -39,6 +41,20 @@ TEST_CASE("files of an unknown format or without triangles are refused") {
                               "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
                               "property float y\nproperty float z\nend_header\n0 0 0\n"),
                Contains("faces"));
+}
+
+TEST_CASE("a .gts whose edges do not fit its faces is refused with the line") {
+    const RefusedFiles folder;
+    const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+    CHECK_THAT(folder.refusal("a.gts", "4 3 1\n" + vertices + "1 2\n2 3\n3 4\n1 2 3\n"),
+               Contains("line 9") && Contains("meet"));
+    CHECK_THAT(folder.refusal("a.gts", "4 3 1\n" + vertices + "1 2\n2 3\n3 5\n1 2 3\n"),
+               Contains("line 8") && Contains("vertex 5"));
+    CHECK_THAT(folder.refusal("a.gts", "4 3 1\n" + vertices + "1 2\n2 3\n3 1\n1 2 4\n"),
+               Contains("line 9") && Contains("edge 4"));
+    CHECK_THAT(folder.refusal("a.gts", "4 3 1 GtsSurface GtsFace GtsEdge GtsVertexBinary\n"),
+               Contains("binary"));
+    CHECK_THAT(folder.refusal("a.gts", "4 3 1\n" + vertices), Contains("truncated"));
 }
 
 TEST_CASE("images are refused as meshes, with what takes them") {

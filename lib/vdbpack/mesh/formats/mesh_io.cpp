@@ -33,14 +33,21 @@ constexpr double kLargest = 1e9;
             "{}: {}, not a mesh. A domain can be an image, with a label or a threshold; what else "
             "needs a mesh takes its surface as .stl",
             path, isFolder ? "is a folder, perhaps a series of images" : "is an image"));
-    throw InputError(path + ": format " + quotedExcerpt(extension) +
-                     " is not read as a mesh; convert it to .stl, .obj, .ply, .off, .vtp or .vtk");
+    for (const char* scan : {".isq", ".rsq", ".aim"})
+        if (startsWith(extension, scan))
+            throw InputError(path +
+                             ": is a scan of SCANCO, which is not read; convert it to .nrrd or "
+                             ".mha, with 3D Slicer "
+                             "or with IOScanco of ITK (Python: itk-ioscanco), and set `threshold`");
+    throw InputError(
+        path + ": format " + quotedExcerpt(extension) +
+        " is not read as a mesh; convert it to .stl, .obj, .ply, .off, .gts, .vtp or .vtk");
 }
 
 }  // namespace
 
 TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
-                      CrossedFaces* crossed) {
+                      CrossedFaces* crossed, MeshGroups* groups) {
     if (!std::isfinite(options.scale) || options.scale <= 0)
         throw ParameterError(
             fmt::format("scale {} is not a positive number; use one such as 0.1", options.scale));
@@ -50,6 +57,7 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
     if (extension == ".obj") read = readObjMesh;
     if (extension == ".ply") read = readPlyMesh;
     if (extension == ".off") read = readOffMesh;
+    if (extension == ".gts") read = readGtsMesh;
     if (extension == ".vtk") read = readVtkMesh;
     if (extension == ".vtp") read = readVtpMesh;
     if (read == nullptr) refuseFormat(path, extension);
@@ -65,6 +73,7 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
         splitPolygons(reader);
         if (reader.statedUnit) factor = millimetersPer(*reader.statedUnit) * options.scale;
         mesh = std::move(reader.mesh);
+        if (groups != nullptr) *groups = std::move(reader.groups);
         if (mesh.triangles.empty()) file.fail("has no triangles; a closed surface is needed");
         if (extension != ".stl") mesh = welded(std::move(mesh));
     } catch (const std::bad_alloc&) {

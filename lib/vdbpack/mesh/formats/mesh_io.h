@@ -6,6 +6,8 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace vdbpack {
 
@@ -20,8 +22,12 @@ struct CrossedFaces {
     Vec<3> firstAt;  ///< first corner of the first of them, mm
 };
 
+/// Names in a file, `solid` of an ASCII .stl, `o` and `g` of an .obj: each with the first triangle
+/// that has it. A name may come several times.
+using MeshGroups = std::vector<std::pair<std::string, std::size_t>>;
+
 /// Reads a mesh from .stl (binary or ASCII, told apart by content), .obj, .ply (ASCII or binary
-/// of either byte order), .off, .vtp (polygon data of VTK) or .vtk (its legacy format); other
+/// of either byte order), .off, .gts, .vtp (polygon data of VTK) or .vtk (its legacy format); other
 /// extensions are refused.
 ///
 /// Coordinates keep all digits that the file holds and come back in mm. Vertices with identical
@@ -29,7 +35,7 @@ struct CrossedFaces {
 /// order. Polygons are cut into triangles as by `splitPolygon`. Triangles are not judged: those
 /// that are duplicate or have no area stay (mesh_check.h).
 ///
-/// @param crossed  filled in if given.
+/// @param crossed, groups  filled in if given.
 /// @throws ParameterError  if `options.scale` is not finite and positive.
 /// @throws IoError         if the file does not exist or cannot be read.
 /// @throws InputError      if the format is unknown, or the content is broken, truncated, without
@@ -40,7 +46,7 @@ struct CrossedFaces {
 /// Cost: linear in the file, which is read in pieces; nothing is reserved on the word of a count
 /// that the file is too small for.
 TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options = {},
-                      CrossedFaces* crossed = nullptr);
+                      CrossedFaces* crossed = nullptr, MeshGroups* groups = nullptr);
 
 /// Writes a mesh (mm) as binary STL: coordinates in `unit` as 32-bit floats, normals by the order
 /// of the corners, outward where that is. The header names unit and `generator`. Whole or absent.

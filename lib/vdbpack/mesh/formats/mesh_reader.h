@@ -14,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -37,6 +38,7 @@ struct MeshReader {
     TriangleMesh mesh;
     std::vector<PolygonPlace> polygons;  ///< in rising order
     std::optional<Unit> statedUnit{};    ///< by the file itself
+    MeshGroups groups{};
 
     /// Whether a point is finite and near enough to the origin.
     bool isUsable(const Vec<3>& p) const {
@@ -59,6 +61,10 @@ struct MeshReader {
     /// @throws ResourceError if there are more vertices than indices.
     void checkVertexTotal(std::uint64_t count) const {
         if (count >= kMostVertices) failTotal("vertices", kMostVertices - 1);
+    }
+    /// The triangles that follow have a name, which may be empty.
+    void beginGroup(std::string_view name) {
+        groups.emplace_back(trimmed(name), mesh.triangles.size());
     }
     /// @throws ResourceError if there are too many.
     void addTriangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -121,6 +127,8 @@ public:
             words_ = Words(line);
         }
     }
+    /// What follows the last word in its line.
+    std::string_view rest() const { return words_.rest(); }
     /// Skips the rest of the line.
     void dropLine() { words_ = Words({}); }
 
@@ -134,6 +142,7 @@ private:
 void readStlMesh(MeshReader& reader);
 void readObjMesh(MeshReader& reader);
 void readOffMesh(MeshReader& reader);
+void readGtsMesh(MeshReader& reader);
 void readPlyMesh(MeshReader& reader);
 void readVtkMesh(MeshReader& reader);
 void readVtpMesh(MeshReader& reader);

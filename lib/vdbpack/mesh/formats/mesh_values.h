@@ -45,8 +45,6 @@ public:
             if (isText_ ? words_.next().empty() : reader_.file.take(bytesOf(type)) == nullptr)
                 truncated();
     }
-    /// In text, leaves the rest of the line of the last number.
-    void dropLine() { words_.dropLine(); }
     /// Names the current position.
     [[noreturn]] void fail(const std::string& what) const {
         if (isText_) reader_.file.failAtLine(what);

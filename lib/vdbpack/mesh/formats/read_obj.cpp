@@ -80,6 +80,8 @@ void readObjMesh(MeshReader& reader) {
             const Vec<3> p = reader.point(words);
             reader.checkVertexTotal(vertices.size());
             vertices.push_back(p);
+        } else if (keyword == "g" || keyword == "o") {
+            reader.beginGroup(words.rest());
         } else if (keyword == "f") {
             readFace(reader, words, largest);
         } else if (!keyword.empty() && keyword.front() != '#' &&

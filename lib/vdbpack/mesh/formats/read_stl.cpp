@@ -61,6 +61,7 @@ void readAsciiStl(MeshReader& reader, Welder& welder) {
         file.failAtLine(fmt::format("'{}' expected, found {}", keyword, quotedExcerpt(word)));
     };
     expect("solid");
+    reader.beginGroup(words.rest());
     words.dropLine();
     for (bool inSolid = true;;) {
         const auto word = words.next();
@@ -71,6 +72,7 @@ void readAsciiStl(MeshReader& reader, Welder& welder) {
         if (!inSolid) {
             if (!equalsNoCase(word, "solid"))
                 file.failAtLine("'solid' expected, found " + quotedExcerpt(word));
+            reader.beginGroup(words.rest());
             words.dropLine();
             inSolid = true;
         } else if (equalsNoCase(word, "endsolid")) {
