@@ -277,6 +277,10 @@ void PackBuilder::addRows(std::uint64_t count, const std::vector<Put>& puts, con
     }
 }
 
+bool PackBuilder::repeatsRadius(const Column& column) const {
+    return hasRadii_ && columnName(lowered(column.name)).quantity == "diameter";
+}
+
 void PackBuilder::requireSpheres() const {
     // Axes and exponents of superquadrics and ellipsoids, in MFiX, LIGGGHTS and LAMMPS.
     constexpr std::string_view kAxes[] = {"sqp_a", "sqp_b", "sqp_c", "shapex", "shapey", "shapez"};
@@ -286,7 +290,7 @@ void PackBuilder::requireSpheres() const {
     for (const Column& column : pack_.columns) {
         if (column.numbers.empty()) continue;
         const std::string name = lowered(column.name);
-        const bool isDiameter = hasRadii_ && columnName(name).quantity == "diameter";
+        const bool isDiameter = repeatsRadius(column);
         const auto isOneOf = [&name](const auto& names) {
             return std::find(std::begin(names), std::end(names), name) != std::end(names);
         };
@@ -313,6 +317,10 @@ void PackBuilder::requireSpheres() const {
 
 Pack<3> PackBuilder::finish() {
     requireSpheres();
+    std::vector<Column>& further = pack_.columns;
+    further.erase(std::remove_if(further.begin(), further.end(),
+                                 [this](const Column& c) { return repeatsRadius(c); }),
+                  further.end());
     if (hasRadii_ && options_.radius > 0)
         options_.callbacks.warn(file_ + ": has radii of its own; `packRadius` is not used");
     dropDefaultIds(pack_);

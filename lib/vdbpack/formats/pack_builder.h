@@ -113,6 +113,8 @@ private:
     Unit unitOf(const std::string& name) const;
     void setSphere(SphereNumber which, double value);
     void requireSpheres() const;
+    /// Whether a further column is the diameter beside the radius, in the unit of the file.
+    bool repeatsRadius(const Column& column) const;
     /// The error in the last row ("radius is -1; ..."), or an empty text.
     std::string problem() const;
     [[noreturn]] void failRow(const std::string& what) const;
