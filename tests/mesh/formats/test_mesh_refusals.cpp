@@ -33,6 +33,10 @@ TEST_CASE("files of an unknown format or without triangles are refused") {
     CHECK_THAT(folder.refusal("noextension", "x"), Contains(".stl"));
     CHECK_THAT(folder.refusal("C0001.ISQ;1", "CTDATA-HEADER_V1"),
                Contains("SCANCO") && Contains(".nrrd"));
+    CHECK_THAT(folder.refusal("n.mgz", "x"), Contains("image") && Contains(".nii.gz"));
+    CHECK_THAT(folder.refusal("n.vtk",
+                              "# vtk DataFile Version 3.0\nn\nASCII\nDATASET STRUCTURED_POINTS\n"),
+               Contains("image") && Contains(".nrrd"));
     CHECK_THAT(folder.refusal("n.stl", "solid x\nendsolid x\n"), Contains("n.stl"));
     CHECK_THAT(folder.refusal("n.stl", binaryStl({})), Contains("n.stl"));
     CHECK_THAT(folder.refusal("n.obj", "v 0 0 0\n"), Contains("n.obj"));

@@ -39,6 +39,12 @@ constexpr double kLargest = 1e9;
                              ": is a scan of SCANCO, which is not read; convert it to .nrrd or "
                              ".mha, with 3D Slicer "
                              "or with IOScanco of ITK (Python: itk-ioscanco), and set `threshold`");
+    static const std::set<std::string> kOtherImages{".mif", ".mih", ".mnc", ".mgh",
+                                                    ".mgz", ".vti", ".inr", ".gipl"};
+    if (kOtherImages.count(extension) > 0)
+        throw InputError(path +
+                         ": is an image of a format that is not read; convert it to .nii.gz, "
+                         ".nrrd or .mha, and set `threshold` or `label`");
     throw InputError(
         path + ": format " + quotedExcerpt(extension) +
         " is not read as a mesh; convert it to .stl, .obj, .ply, .off, .gts, .vtp or .vtk");
