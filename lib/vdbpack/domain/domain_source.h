@@ -176,4 +176,11 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
 /// @param isImage  the recipe names an image, whose file states the distances of its voxels.
 void warnOfSpacing(const DomainRecipe& recipe, bool isImage, const Callbacks& callbacks);
 
+/// Warns of a periodic cell that is not the one that the file of a pack states.
+/// @param recipe  of `domain`.
+template <int Dim>
+void warnOfOtherCell(const std::string& pack, const PeriodicCell<Dim>& stated,
+                     const DomainRecipe& recipe, const Domain<Dim>& domain,
+                     const Callbacks& callbacks);
+
 }  // namespace vdbpack

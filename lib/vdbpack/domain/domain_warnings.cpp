@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace vdbpack {
 
 namespace {
@@ -85,5 +87,36 @@ void warnOfSpacing(const DomainRecipe& recipe, bool isImage, const Callbacks& ca
                    (isImage ? " states the distances of its voxels" : " is no image") +
                    ", and no label map is written. `scale` makes a domain larger or smaller");
 }
+
+template <int Dim>
+void warnOfOtherCell(const std::string& pack, const PeriodicCell<Dim>& stated,
+                     const DomainRecipe& recipe, const Domain<Dim>& domain,
+                     const Callbacks& callbacks) {
+    constexpr double kSame = 1e-6;  // of its length: files round
+    const PeriodicCell<Dim> cell = domain.cell();
+    if (!stated.any()) return;
+    if (!cell.any()) {
+        callbacks.warn(fmt::format(
+            "{}: states a periodic cell, but `domain` {} has walls, which count; leave `domain` "
+            "out for the cell of the file",
+            pack, recipe.source));
+        return;
+    }
+    bool same = true;
+    for (int d = 0; d < Dim; ++d)
+        same = same && stated.isAlong(d) == cell.isAlong(d) &&
+               (!cell.isAlong(d) ||
+                std::fabs(stated.length(d) - cell.length(d)) <= kSame * cell.length(d));
+    if (!same)
+        callbacks.warn(fmt::format(
+            "{}: states another periodic cell than `domain` {}, which counts; leave `domain` out "
+            "for that of the file",
+            pack, recipe.source));
+}
+
+template void warnOfOtherCell(const std::string&, const PeriodicCell<2>&, const DomainRecipe&,
+                              const Domain<2>&, const Callbacks&);
+template void warnOfOtherCell(const std::string&, const PeriodicCell<3>&, const DomainRecipe&,
+                              const Domain<3>&, const Callbacks&);
 
 }  // namespace vdbpack

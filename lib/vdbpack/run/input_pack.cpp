@@ -157,36 +157,6 @@ DomainSource::Built buildAround(const std::optional<DomainSource>& source, int d
     return source ? source->build(detail, reach, callbacks) : DomainSource::Built{};
 }
 
-template <int Dim>
-void warnOfOtherCell(const InputPack& recipe, const PeriodicCell<Dim>& stated,
-                     const Domain<Dim>& domain, const Callbacks& callbacks) {
-    constexpr double kSame = 1e-6;  // of its length: files round
-    const PeriodicCell<Dim> cell = domain.cell();
-    if (!stated.any()) return;
-    if (!cell.any()) {
-        callbacks.warn(fmt::format(
-            "{}: states a periodic cell, but `domain` {} has walls, which count; leave `domain` "
-            "out for the cell of the file",
-            recipe.pack, recipe.domain.source));
-        return;
-    }
-    bool same = true;
-    for (int d = 0; d < Dim; ++d)
-        same = same && stated.isAlong(d) == cell.isAlong(d) &&
-               (!cell.isAlong(d) ||
-                std::fabs(stated.length(d) - cell.length(d)) <= kSame * cell.length(d));
-    if (!same)
-        callbacks.warn(fmt::format(
-            "{}: states another periodic cell than `domain` {}, which counts; leave `domain` out "
-            "for that of the file",
-            recipe.pack, recipe.domain.source));
-}
-
-template void warnOfOtherCell(const InputPack&, const PeriodicCell<2>&, const Domain<2>&,
-                              const Callbacks&);
-template void warnOfOtherCell(const InputPack&, const PeriodicCell<3>&, const Domain<3>&,
-                              const Callbacks&);
-
 std::vector<std::string> inputFiles(const InputPack& recipe) {
     auto files = domainInputs(recipe.domain);
     if (!recipe.given) files.push_back(recipe.pack);

@@ -44,11 +44,6 @@ DomainSource::Built buildAround(const std::optional<DomainSource>& source, int d
                                 const RadiusStatistics& radius, std::size_t count, double reach,
                                 const RunSettings& settings, const Callbacks& callbacks);
 
-/// Warns of a periodic cell that is not the one that the file of the pack states.
-template <int Dim>
-void warnOfOtherCell(const InputPack& recipe, const PeriodicCell<Dim>& stated,
-                     const Domain<Dim>& domain, const Callbacks& callbacks);
-
 /// The files that a run on a pack reads.
 std::vector<std::string> inputFiles(const InputPack& recipe);
 
@@ -111,7 +106,7 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
                                        depthFor(radius) / 3, recipe, callbacks);
         report.seconds.domain = clock.lap();
         const Domain<Dim>* domain = ofDim<Dim>(built).get();
-        if (domain) warnOfOtherCell(recipe, pack.cell, *domain, callbacks);
+        if (domain) warnOfOtherCell(recipe.pack, pack.cell, recipe.domain, *domain, callbacks);
         measurePack(pack, source ? &*source : nullptr, domain, sizes ? &*sizes : nullptr,
                     recipe.contactTolerance, report, callbacks);
         if (report.interrupted) throw Interrupted();

@@ -1,8 +1,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/label_domains.h"
-#include "vdbpack/mesh/formats/mesh_io.h"
-#include "vdbpack/mesh/mesh_shells.h"
-#include "vdbpack/mesh/welding.h"
+#include "vdbpack/domain/mesh_parts.h"
 #include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/run_parts.h"
 
@@ -14,8 +12,6 @@
 namespace vdbpack {
 
 namespace {
-
-constexpr std::size_t kMostParts = 100;  ///< of a mesh
 
 bool isLabelMap(const DomainRecipe& domain) {
     return isImage(domain) && !domain.threshold;
@@ -65,73 +61,17 @@ std::vector<PackRecipe> labelRecipes(const PackRecipe& recipe,
     return recipes;
 }
 
-struct NamedMesh {
-    std::string name;
-    TriangleMesh mesh;
-};
-
-/// The triangles by the names that they have in their file, in its order.
-std::vector<NamedMesh> groupsOf(const TriangleMesh& mesh, const MeshGroups& names) {
-    std::vector<NamedMesh> parts;
-    std::size_t next = 0, at = 0;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        while (next < names.size() && names[next].second <= t) ++next;
-        const std::string& name = next > 0 ? names[next - 1].first : names.front().first;
-        if (at >= parts.size() || parts[at].name != name)
-            for (at = 0; at < parts.size() && parts[at].name != name;) ++at;
-        if (at == parts.size()) parts.push_back({name, {}});
-        parts[at].mesh.triangles.push_back(mesh.triangles[t]);
-    }
-    return parts;
-}
-
-/// The connected components, by decreasing volume.
-std::vector<NamedMesh> componentsOf(const TriangleMesh& mesh, const std::string& file) {
-    const ShellAnalysis analysis = analyzeShells(mesh);
-    std::vector<NamedMesh> parts;
-    for (const Shell& shell : analysis.shells) {
-        if (shell.depth > 0)
-            throw InputError(
-                file +
-                ": a component lies inside another one; give the parts by names (`partsBy` "
-                "group), or as files in `parts`");
-        parts.push_back({fmt::format("component {}", parts.size()), {}});
-    }
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        parts[analysis.shellOfTriangle[t]].mesh.triangles.push_back(mesh.triangles[t]);
-    return parts;
-}
-
-/// The parts that names in the file of a mesh, or its components, are, one recipe each.
+/// One recipe for each part of a mesh.
 std::vector<PackRecipe> meshRecipes(const PackRecipe& recipe) {
-    const DomainRecipe& domain = recipe.domain;
-    if (isImage(domain))
-        throw ParameterError(
-            "`partsBy` is for meshes; parts of an image are its labels (`label` all)");
-    MeshReadOptions read;
-    read.unit = domain.unit;
-    read.scale = domain.scale;
-    MeshGroups names;
-    const TriangleMesh mesh = readMesh(domain.source, read, nullptr, &names);
-    std::vector<NamedMesh> parts;
-    if (domain.partsBy == PartsBy::component)
-        parts = componentsOf(mesh, domain.source);
-    else if (!names.empty())
-        parts = groupsOf(mesh, names);
-    if (parts.size() < 2 || parts.size() > kMostParts)
-        throw InputError(fmt::format(
-            "{}: has {} parts; 2 to {} are packed. `partsBy` group takes `solid` of an ASCII .stl, "
-            "`o` and `g` of an .obj, and component takes surfaces that do not touch",
-            domain.source, parts.size(), kMostParts));
+    std::vector<NamedMesh> parts = meshParts(recipe.domain);
     std::vector<PackRecipe> recipes(parts.size(), recipe);
     for (std::size_t k = 0; k < parts.size(); ++k) {
-        parts[k].mesh.vertices = mesh.vertices;  // `welded` drops those that are not used
+        DomainRecipe& domain = recipes[k].domain;
         recipes[k].name = parts[k].name;
-        recipes[k].domain.partsBy = PartsBy::none;
-        recipes[k].domain.unit = Unit::millimeter;
-        recipes[k].domain.scale = 1;
-        recipes[k].domain.mesh =
-            std::make_shared<const TriangleMesh>(welded(std::move(parts[k].mesh)));
+        domain.partsBy = PartsBy::none;
+        domain.unit = Unit::millimeter;
+        domain.scale = 1;
+        domain.mesh = std::make_shared<const TriangleMesh>(std::move(parts[k].mesh));
     }
     return recipes;
 }

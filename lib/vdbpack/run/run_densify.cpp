@@ -37,7 +37,7 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     extent.densifying = true;
     const PeriodicCell<Dim> stated = run.pack.cell;
     domainStage(run, extent, detail, reach);
-    warnOfOtherCell(recipe, stated, run.domain(), run.callbacks);
+    warnOfOtherCell(recipe.pack, stated, recipe.domain, run.domain(), run.callbacks);
     const double fraction = solidFraction(run.pack.spheres, run.domain());
     if (fraction < kOfVoids<Dim> && recipe.densify.fraction > fraction)
         run.callbacks.warn(fmt::format(
