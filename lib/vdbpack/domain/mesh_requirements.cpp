@@ -129,21 +129,24 @@ void refuseMesh(const std::string& name, const MeshHealth& health, double fieldV
             fmt::format("{}: the mesh is not closed: {}; {}; close the holes, or set `repair`",
                         name, health.describeLeak(), volumes));
     refuseCopies(name, health);
+    const std::string flaws = flawsOf(health);
     throw InputError(fmt::format(
-        "{}: inside and outside are ambiguous: {}{}{}; the likely cause is {}; correct the mesh, "
-        "or set `repair`",
-        name, volumes, isClean(health) ? "" : "; ", isClean(health) ? "" : flawsOf(health),
-        health.shells > 1 ? "components that overlap" : "a surface that intersects itself"));
+        "{}: inside and outside are ambiguous: {}; {}; correct the mesh, or set `repair`", name,
+        volumes, flaws.empty() ? "the surface intersects itself" : flaws));
 }
 
 void refuseVoxels(const std::string& name, const MeshHealth& health, double fieldVolume,
-                  double voxelSize, double fineEnough) {
-    throw InputError(
-        fmt::format("{}: voxels of {:.4g} mm are too coarse for the mesh, which is about {:.3g} mm "
-                    "thick: their field encloses {:.6g} mm³, the mesh {:.6g} mm³. Set `voxelSize` "
-                    "to {:.2g} mm or less",
-                    name, voxelSize, 2 * health.enclosedVolume / health.area, fieldVolume,
-                    health.enclosedVolume, fineEnough));
+                  double voxelSize, const WallClearance& clearance, double fineEnough) {
+    const std::string gaps =
+        std::isfinite(clearance.gap)
+            ? fmt::format(", with gaps of about {:.2g} mm between walls", clearance.gap)
+            : "";
+    throw InputError(fmt::format(
+        "{}: voxels of {:.4g} mm are too coarse for the mesh, whose thinnest walls are about "
+        "{:.2g} mm thick{}: their field encloses {:.6g} mm³, the mesh {:.6g} mm³. Set `voxelSize` "
+        "to {:.2g} mm or less",
+        name, voxelSize, clearance.thickness, gaps, fieldVolume, health.enclosedVolume,
+        fineEnough));
 }
 
 }  // namespace vdbpack

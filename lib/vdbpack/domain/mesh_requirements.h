@@ -4,6 +4,7 @@
 
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/wall_clearance.h"
 
 #include <string>
 
@@ -38,9 +39,11 @@ std::string flawsOf(const MeshHealth& health);
 [[noreturn]] void refuseMesh(const std::string& name, const MeshHealth& health, double fieldVolume,
                              double voxelSize);
 
-/// Refuses voxels that the mesh is too thin for, in a message with a size that is small enough.
+/// Refuses voxels that walls or gaps of the mesh are too thin for, in a message with a size that is
+/// small enough.
 /// @throws InputError always.
 [[noreturn]] void refuseVoxels(const std::string& name, const MeshHealth& health,
-                               double fieldVolume, double voxelSize, double fineEnough);
+                               double fieldVolume, double voxelSize, const WallClearance& clearance,
+                               double fineEnough);
 
 }  // namespace vdbpack
