@@ -94,6 +94,7 @@ std::shared_ptr<const VdbGrid> levelSetOf(const ConvertRecipe& recipe, bool isMe
     DomainRecipe solid;
     solid.source = recipe.pack;
     solid.unit = recipe.packUnit;
+    solid.space = recipe.domain.space;
     double voxel = recipe.domain.voxelSize;
     return fieldOfMesh(std::move(solid), 0, recipe, voxel, callbacks)->grid();
 }
@@ -127,7 +128,8 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
     if (isMesh) {
         MeshReadOptions read;
         read.unit = recipe.packUnit;
-        mesh = readMesh(recipe.pack, read);
+        read.space = recipe.domain.space;
+        mesh = readMesh(recipe.pack, read, callbacks);
         result.count = mesh->triangles.size();
     }
     requireNoSpheres(recipe);

@@ -1,10 +1,10 @@
 // Triangle meshes from files, and as STL.
 #pragma once
 
+#include "vdbpack/core/progress.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
-#include <cstddef>
 #include <string>
 
 namespace vdbpack {
@@ -12,12 +12,8 @@ namespace vdbpack {
 struct MeshReadOptions {
     Unit unit = Unit::millimeter;  ///< of the lengths in the file, unless its header states one
     double scale = 1;              ///< a further factor on all coordinates, > 0
-};
-
-/// Polygons of a file whose outline crosses itself.
-struct CrossedFaces {
-    std::size_t count = 0;
-    Vec<3> firstAt;  ///< first corner of the first of them, mm
+    /// Axes of the coordinates that come back, where the file states its own.
+    ImageSpace space = ImageSpace::lps;
 };
 
 /// Reads a mesh from .stl (binary or ASCII, told apart by content), .obj, .ply (ASCII or binary
@@ -27,9 +23,12 @@ struct CrossedFaces {
 /// Coordinates keep all digits that the file holds and come back in mm. Vertices with identical
 /// coordinates are merged (-0 equals 0), those that no face names dropped; what remains keeps its
 /// order. Polygons are cut into triangles as by `splitPolygon`. Triangles are not judged: those
-/// that are duplicate or have no area stay (mesh_check.h).
+/// that are duplicate or have no area stay (mesh_check.h). SPACE=RAS or SPACE=LPS in a header,
+/// title or comment among the first 1000 bytes, or in the field data of a .vtp (3D Slicer), states
+/// the axes; x and y change their signs where `options.space` is the other one.
 ///
-/// @param crossed  filled in if given.
+/// @param callbacks  is warned of that, of the centimeters that Maya states in a .obj, and of
+///                   polygons whose outlines cross themselves.
 /// @throws ParameterError  if `options.scale` is not finite and positive.
 /// @throws IoError         if the file does not exist or cannot be read.
 /// @throws InputError      if the format is unknown, or the content is broken, truncated, without
@@ -40,7 +39,10 @@ struct CrossedFaces {
 /// Cost: linear in the file, which is read in pieces; nothing is reserved on the word of a count
 /// that the file is too small for.
 TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options = {},
-                      CrossedFaces* crossed = nullptr);
+                      const Callbacks& callbacks = {});
+
+/// The mesh as it comes back from a file of `writeStl`, mm.
+TriangleMesh roundedToStl(TriangleMesh mesh, Unit unit);
 
 /// Writes a mesh (mm) as binary STL: coordinates in `unit` as 32-bit floats, normals by the order
 /// of the corners, outward where that is. The header names unit and `generator`. Whole or absent.
