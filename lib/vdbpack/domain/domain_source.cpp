@@ -88,9 +88,9 @@ void requireShape(const DomainRecipe& recipe) {
 
 /// The level set of a .vdb. @throws InputError, which asks for a threshold if there is a fog volume
 /// instead.
-std::shared_ptr<const VdbGrid> domainLevelSet(const DomainRecipe& recipe, double scale) {
+std::shared_ptr<const VdbGrid> domainLevelSet(const DomainRecipe& recipe) {
     try {
-        return levelSetGrid(recipe.source, recipe.gridName, scale);
+        return levelSetGrid(recipe.source, recipe.gridName, recipe.scale, recipe.unit);
     } catch (const InputError&) {
         const auto fog = findFogVolume(recipe.source, recipe.gridName, false);
         if (!fog) throw;
@@ -139,13 +139,13 @@ void DomainSource::takeShape(const NamedShape& shape) {
 }
 
 void DomainSource::takeSurface(const Callbacks& callbacks) {
-    const double scale = recipe_.scale * millimetersPer(recipe_.unit);
     const bool isFile = !isInMemory(recipe_);
     const bool isVdb = isFile && extensionOf(recipe_.source) == ".vdb";
     if (isVdb && recipe_.threshold) {
-        mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, scale, *recipe_.threshold);
+        mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, recipe_.scale, *recipe_.threshold,
+                              recipe_.unit);
     } else if (isVdb || recipe_.levelSet) {
-        levelSet_ = isVdb ? domainLevelSet(recipe_, scale) : recipe_.levelSet;
+        levelSet_ = isVdb ? domainLevelSet(recipe_) : recipe_.levelSet;
         mesh_ = levelSetMesh(*levelSet_, recipe_.source);
     } else {
         mesh_ = isImage(recipe_) ? imageMesh(recipe_, callbacks, imageGrid_, spaced_)

@@ -1,6 +1,7 @@
 #include "vdbpack/domain/mesh_requirements.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/smallest_voxel.h"
 
 #include <fmt/format.h>
 
@@ -67,6 +68,11 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
             fmt::format("{}: voxels of {:.4g} mm are larger than the mesh, which is {:.4g} mm "
                         "across; give smaller voxels, or check the unit of the mesh",
                         name, voxelSize, longest));
+    if (voxelSize < kSmallestVoxel)
+        throw ParameterError(
+            fmt::format("{}: voxels of {:.4g} mm are smaller than a field can have, {:g} mm; check "
+                        "`unit` and `scale` of the mesh, which is {:.4g} mm across",
+                        name, voxelSize, kSmallestVoxel, longest));
     const double voxels = estimatedVoxels(area, voxelSize, depth);
     if (!(voxels < kMostVoxels) || !(longest / voxelSize < 1e6))
         throw ResourceError(

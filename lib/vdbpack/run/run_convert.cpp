@@ -90,7 +90,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
 /// The solid as a level set; a mesh in voxels as requested, else as many as are usual.
 std::shared_ptr<const VdbGrid> levelSetOf(const ConvertRecipe& recipe, bool isMesh,
                                           const Callbacks& callbacks) {
-    if (!isMesh) return levelSetGrid(recipe.pack, recipe.packGrid, millimetersPer(recipe.packUnit));
+    if (!isMesh) return levelSetGrid(recipe.pack, recipe.packGrid, 1, recipe.packUnit);
     DomainRecipe solid;
     solid.source = recipe.pack;
     solid.unit = recipe.packUnit;
