@@ -41,8 +41,10 @@ struct MeshReadOptions {
 TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options = {},
                       const Callbacks& callbacks = {});
 
-/// The mesh as it comes back from a file of `writeStl`, mm.
-TriangleMesh roundedToStl(TriangleMesh mesh, Unit unit);
+/// The mesh (mm) in 32-bit floats of `unit`, as `writeStl` writes them, each vertex rounded to the
+/// outer side of the triangles at it: what lies within the mesh lies within the result. `mesh` is
+/// closed and welded; its components may face either way.
+TriangleMesh roundedOutward(TriangleMesh mesh, Unit unit);
 
 /// Writes a mesh (mm) as binary STL: coordinates in `unit` as 32-bit floats, normals by the order
 /// of the corners, outward where that is. The header names unit and `generator`. Whole or absent.
