@@ -268,10 +268,8 @@ private:
     /// too thin for the voxels are no flaw of the mesh, while a hole shows at any size.
     void refine() {
         const double coarseVolume = volume;
-        const bool canBeSolid =
-            health_.isClosed() && health_.inconsistentEdges == 0 && health_.intersections == 0;
         const WallClearance clearance =
-            canBeSolid ? wallClearance(mesh_, analysis_) : WallClearance{};
+            isSound(health_) ? wallClearance(mesh_, analysis_) : WallClearance{};
         const bool once = options_.voxelSize > 0 || !clearance.isSolid;
         double size = voxelSize;
         do {
@@ -331,8 +329,9 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     if (!isClean(health)) {
         callbacks.warn(fmt::format(
             "{}: the mesh has flaws: {}; its field is sound and is used ({:.6g} mm³, the mesh "
-            "itself {:.6g} mm³)",
-            options.name, flawsOf(health), builder.volume, health.enclosedVolume));
+            "itself {:.6g} mm³){}",
+            options.name, flawsOf(health), builder.volume, health.enclosedVolume,
+            isSound(health) ? "" : "; set `repair` to mend them"));
     }
     parts.volume = isClean(health) ? health.enclosedVolume : builder.volume;
     parts.area = health.area;

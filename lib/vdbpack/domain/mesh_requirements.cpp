@@ -107,8 +107,12 @@ void requireVolume(const std::string& name, const MeshHealth& health, double vox
                     name, 2 * half, voxelSize, half));
 }
 
+bool isSound(const MeshHealth& health) {
+    return health.isClosed() && health.inconsistentEdges == 0 && health.intersections == 0;
+}
+
 bool isClean(const MeshHealth& health) {
-    return health.isWatertight() && health.inconsistentEdges == 0 && health.intersections == 0;
+    return health.isWatertight() && isSound(health);
 }
 
 std::string flawsOf(const MeshHealth& health) {
@@ -120,8 +124,9 @@ std::string flawsOf(const MeshHealth& health) {
     add(health.nonManifoldEdges, "edges with more than two triangles");
     add(health.inconsistentEdges, "edges between triangles of opposite orientation");
     add(health.duplicateTriangles, "duplicate triangles");
-    add(health.intersections,
-        "pairs of components that intersect, whose overlap counts as outside");
+    if (health.intersections > 0)
+        text += (text.empty() ? "" : ", ") + health.describeIntersections() +
+                ", which counts as outside";
     return text;
 }
 

@@ -28,6 +28,10 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
 /// that is no surface but loose triangles. @throws InputError
 void requireVolume(const std::string& name, const MeshHealth& health, double voxelSize);
 
+/// Whether a field of the mesh can be all that the mesh encloses: it is closed, and no triangles
+/// face the wrong way or reach into other components. Components may touch at edges.
+bool isSound(const MeshHealth& health);
+
 /// Whether every edge has two triangles of equal orientation and no components intersect, so that
 /// the mesh has a volume.
 bool isClean(const MeshHealth& health);
