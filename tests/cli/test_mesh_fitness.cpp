@@ -18,11 +18,14 @@ public:
     Output mesh(const std::string& options) const {
         return vdbPack("mesh " + file_ + " " + options);
     }
-    int packed(const std::string& options = "") const {
-        return vdbPack("pack " + file_ + " --radius constant:1 --quiet -o " + folder_.path() +
-                       "/p.csv " + options)
-            .code;
+    Output pack(const std::string& options) const {
+        return vdbPack("pack " + file_ + " --radius constant:1 -o " + folder_.path() + "/p.csv " +
+                       options);
     }
+    bool verified() const {
+        return vdbPack("verify " + folder_.path() + "/p.csv --domain " + file_).code == 0;
+    }
+    int packed(const std::string& options = "") const { return pack("--quiet " + options).code; }
 
 private:
     TemporaryFolder folder_;
@@ -36,6 +39,17 @@ TriangleMesh holed(const TriangleMesh& mesh, std::size_t n) {
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
         if (i % n != 0) rest.triangles.push_back(mesh.triangles[i]);
     return rest;
+}
+
+/// Without the first triangles.
+TriangleMesh withoutTriangles(TriangleMesh mesh, long n) {
+    mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + n);
+    return mesh;
+}
+
+/// The volume of the domain that a run prints, mm³.
+double volumeIn(const Output& run) {
+    return std::stod(run.text.substr(run.text.find("volume ") + 7));
 }
 
 }  // namespace
@@ -81,6 +95,59 @@ TEST_CASE("closed components that overlap are fit with a repair only") {
     CHECK_THAT(json["reasons"].dump(), Contains("overlap"));
     CHECK(json["withRepair"]["changes"]["fusedComponents"] == 2);
     CHECK(asked.json("--repair-components separate")["withRepair"]["components"] == "separate");
+}
+
+TEST_CASE("mesh and pack name the overlap of components that is lost, and the remedy") {
+    // 4 mm² of 5 mm, less the cap of the ball: 19.9 mm³.
+    const Asked asked(merged(ballMesh(10, 5), boxMesh({{5, -1, -1}}, {{35, 1, 1}})));
+    const auto json = asked.json();
+    CHECK(json["fit"] == "with repair");
+    CHECK(json["intersectionVolume"].get<double>() == Approx(19.87).epsilon(0.02));
+    CHECK_THAT(json["reasons"].dump(), Contains("1 pair of components that intersect"));
+    const Output pack = asked.pack("");
+    CHECK(pack.code == 0);
+    CHECK_THAT(pack.text, Contains("1 pair of components that intersect, in about 19.") &&
+                              Contains("outside") && Contains("--repair"));
+    CHECK(volumeIn(asked.pack("--repair")) == Approx(4188.8 + 120 - 19.87).epsilon(0.003));
+}
+
+TEST_CASE("mesh, pack and verify judge alike, and the volume is right") {
+    const auto cube = boxMesh({}, {{10, 10, 10}}), inner = boxMesh({{3, 3, 3}}, {{7, 7, 7}});
+    const auto beside = [&](const Vec<3>& by) { return merged(cube, translated(cube, by)); };
+    struct Row {
+        const char* name;
+        TriangleMesh mesh;
+        const char* fit;
+        double volume;  // mm³, once repaired if need be
+    };
+    for (const Row& row : std::vector<Row>{
+             {"cubes that share a face", beside({{10, 0, 0}}), "yes", 2000},
+             {"cubes that touch in a part of a face", beside({{10, 4, 3}}), "yes", 2000},
+             {"cubes that share an edge", beside({{10, 10, 0}}), "yes", 2000},
+             {"cubes that share a corner", beside({{10, 10, 10}}), "yes", 2000},
+             {"cubes 1e-6 mm apart", beside({{10 + 1e-6, 0, 0}}), "yes", 2000},
+             {"nested", merged(cube, flipped(inner)), "yes", 936},
+             {"nested, facing alike", merged(cube, inner), "yes", 936},
+             {"inside out", merged(flipped(cube), inner), "yes", 936},
+             {"nested thrice", merged(merged(boxMesh({{-9, -9, -9}}, {{19, 19, 19}}), cube), inner),
+              "yes", 21952 - 936},
+             {"given twice", merged(cube, cube), "with repair", 1000},
+             {"open", withoutTriangles(cube, 2), "with repair", 1000},
+             {"bars that cross",
+              merged(boxMesh({{-15, -2, -2}}, {{15, 2, 2}}),
+                     boxMesh({{-2, -15, -2}}, {{2, 15, 2}})),
+              "with repair", 896}}) {
+        CAPTURE(row.name);
+        const Asked asked(row.mesh);
+        CHECK(asked.json()["fit"] == row.fit);
+        const bool fit = row.fit == std::string("yes");
+        CHECK(asked.mesh("--check").code == (fit ? 0 : 1));
+        CHECK(asked.packed() == (fit ? 0 : 3));
+        const Output pack = asked.pack(fit ? "" : "--repair");
+        CHECK(pack.code == 0);
+        CHECK(volumeIn(pack) == Approx(row.volume).epsilon(0.02));
+        if (fit) CHECK(asked.verified());
+    }
 }
 
 TEST_CASE("what encloses nothing is not fit, not even with a repair") {

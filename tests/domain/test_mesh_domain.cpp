@@ -266,14 +266,36 @@ TEST_CASE("overlapping pieces are refused with both volumes") {
     REQUIRE_THROWS_WITH(meshDomain(mesh, options(0.3)), Contains("mm³"));
 }
 
-TEST_CASE("voxels too coarse for a sound mesh are what a message names") {
-    const auto rod = boxMesh({{-2, -2, -50}}, {{2, 2, 50}});
-    const std::string message = messageOf<InputError>([&] { meshDomain(rod, options(30)); });
-    CHECK_THAT(message, Contains("bone") && Contains("30 mm") && Contains("`voxelSize`") &&
-                            !Contains("intersects") && !Contains("repair"));
-    // Its remedy works.
+TEST_CASE("voxels too coarse for a sound mesh are what a message names, with a size that works") {
+    TriangleMesh cubes;  // 0.02 mm apart
+    for (int i = 0; i < 27; ++i) {
+        const Vec<3> lo{{0.22 * (i % 3), 0.22 * (i / 3 % 3), 0.22 * (i / 9)}};
+        cubes = merged(cubes, boxMesh(lo, lo + Vec<3>{{0.2, 0.2, 0.2}}));
+    }
+    const auto [mesh, voxel, volume, cause] =
+        GENERATE_COPY(table<TriangleMesh, double, double, std::string>(
+            {{boxMesh({{-2, -2, -50}}, {{2, 2, 50}}), 30, 1600, "about 2 mm thick"},
+             {boxMesh({{0, 0, 0}}, {{30, 0.1, 0.1}}), 0.2, 0.3, "walls are about 0.06"},
+             {cubes, 0.1, 27 * 0.008, "gaps of about 0.0"},
+             {hollowBallMesh(1, 0.98, 5), 0.08, 0.246, "walls are about 0.01"}}));
+    const std::string message =
+        messageOf<InputError>([&, m = mesh, v = voxel] { meshDomain(m, options(v)); });
+    CHECK_THAT(message, Contains("bone") && Contains(cause) && Contains("`voxelSize`") &&
+                            !Contains("intersect") && !Contains("overlap") && !Contains("repair"));
     const auto at = message.rfind("to ");
-    CHECK_NOTHROW(meshDomain(rod, options(std::stod(message.substr(at + 3)))));
+    const double fine = std::stod(message.substr(at + 3));
+    CHECK(meshDomain(mesh, options(fine, 0.01))->volume() == Approx(volume).epsilon(0.001));
+    // As many of them as are affordable are taken unless a size was asked for.
+    FieldOptions chosen = options(0, 0.01);
+    chosen.detail = voxel;
+    CHECK_NOTHROW(meshDomain(mesh, chosen));
+}
+
+TEST_CASE("a single surface that intersects itself is named as such") {
+    auto mesh = ballMesh(5, 4);
+    for (Vec<3>& v : mesh.vertices) v[0] -= 8 * std::max(0.0, v[0] - 2);
+    CHECK_THAT(messageOf<InputError>([&] { meshDomain(mesh, options(0)); }),
+               Contains("the surface intersects itself") && Contains("`repair`"));
 }
 
 TEST_CASE("a surface given twice is named as such") {

@@ -7,6 +7,7 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_init.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/mesh_check.h"
 
 namespace {
@@ -152,6 +153,7 @@ TEST_CASE("a fog volume has its surface where its values pass the threshold") {
         CHECK_THROWS_WITH(fogVolumeMesh(path, "", unit, threshold),
                           Contains("density") && Contains("`threshold`"));
     CHECK_THROWS_WITH(fogVolumeMesh(path, "other", unit, 1), Contains("'other'"));
+    CHECK_THROWS_WITH(readPack(path), Contains("no point grid") && Contains("`threshold`"));
 }
 
 TEST_CASE("level sets whose voxels lie aslant are sampled, not copied") {

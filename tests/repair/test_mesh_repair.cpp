@@ -3,6 +3,7 @@
 #include "support/test.h"
 
 #include "vdbpack/core/rng.h"
+#include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/repair/facing.h"
 #include "vdbpack/repair/hole_filling.h"
 #include "vdbpack/repair/mesh_repair.h"
@@ -114,6 +115,15 @@ TEST_CASE("pieces that cut through each other become one") {
     const double both = Measure<3>::ball(10) + Measure<3>::ball(6) - lens;
     CHECK(volumeOf(repaired.mesh) == Approx(both).epsilon(0.01));
     CHECK(repaired.report.overlapVolume == Approx(lens).epsilon(0.1));
+}
+
+TEST_CASE("bars of few triangles that cross become one") {
+    const auto bars =
+        merged(boxMesh({{-15, -2, -2}}, {{15, 2, 2}}), boxMesh({{-2, -15, -2}}, {{2, 15, 2}}));
+    const auto repaired = repairMesh(bars);
+    requireSound(repaired.mesh);
+    CHECK(analyzeShells(repaired.mesh).shells.size() == 1);
+    CHECK(volumeOf(repaired.mesh) == Approx(2 * 480 - 64).epsilon(0.02));
 }
 
 TEST_CASE("a nested shell bounds a cavity unless it is said to be solid") {

@@ -1,10 +1,12 @@
 // Packs far from the origin and in other units are as good as those about it.
 #include "support/generators.h"
+#include "support/image_file.h"
 #include "support/jobs.h"
 #include "support/mesh_file.h"
 #include "support/paths.h"
 #include "support/test.h"
 
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 
 namespace {
@@ -63,4 +65,82 @@ TEST_CASE("a ball packs as well far away and in meters or micrometers") {
 TEST_CASE("a mandible packs as well far away and in meters or micrometers", "[.slow]") {
     const auto mesh = readMesh(kMeshes + "/mandible.ply");
     checkMoved(mesh, "", 30000, 0.003);
+}
+
+TEST_CASE("a pack lies within the .stl that its run wrote, far from the origin and in any unit") {
+    const TemporaryFolder folder;
+    ImageGrid grid = gridAround(12, {{0.7, 0.8, 0.9}});
+    const auto labels = Voxels<std::uint8_t>::of(grid, [](const Vec<3>& p) {
+        return length(p - Vec<3>{{-3, 0, 0}}) < 7 || (p[0] > 4.2 && p[1] > 0 && length(p) < 11) ||
+               (p[0] < 4.2 && p[1] < -6 && length(p) < 11);
+    });
+    auto there = labels;
+    there.grid.origin += Vec<3>{{-183.3, 412.7, -871.9}};
+    writeNrrd(folder.file("l.nrrd"), there, "uint8");
+    const bool isLabelMap = GENERATE(true, false);
+    if (!isLabelMap)
+        writeObj(translated(ballMesh(9, 4), {{-183.3, 412.7, -871.9}}), folder.file("b.obj"));
+    for (const Unit unit : {Unit::millimeter, Unit::meter, Unit::micrometer}) {
+        PackRecipe recipe =
+            recipeFor(folder.file(isLabelMap ? "l.nrrd" : "b.obj"), "uniform:0.5,1");
+        recipe.outUnit = unit;
+        recipe.outputs = {folder.file("p.vtp"), folder.file("s.stl")};
+        REQUIRE(runPack(recipe).passed);
+        const auto checked =
+            runVerify(onPack<VerifyRecipe>(folder.file("p.vtp"), folder.file("s.stl")));
+        CAPTURE(isLabelMap, unitName(unit));
+        CHECK(checked.passed);
+        CHECK(checked.report.protrusion->max == 0);
+        CHECK(checked.report.count > 500);
+        // One judgement of the surface.
+        MeshRecipe mesh;
+        mesh.domain.source = folder.file("s.stl");
+        CHECK(runMesh(mesh).fitness.verdict == MeshFitness::Verdict::yes);
+        CHECK(runPack(recipeFor(folder.file("s.stl"), "uniform:0.5,1")).passed);
+    }
+}
+
+TEST_CASE("a unit that a level set of a run states is used when it is read") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = recipeFor("box:20,24,28", "uniform:2,3");
+    recipe.outUnit = GENERATE(Unit::meter, Unit::centimeter, Unit::millimeter, Unit::micrometer);
+    recipe.outputs = {"levelsets:" + folder.file("p.vdb"), "fog:" + folder.file("f.vdb")};
+    runPack(recipe);
+    DomainRecipe read;
+    read.source = folder.file("p.vdb");
+    read.unit = GENERATE(Unit::millimeter, Unit::meter);
+    CHECK(DomainSource(read).volume() == Approx(20 * 24 * 28).epsilon(0.01));
+    read.source = folder.file("f.vdb");
+    read.threshold = 0.01;
+    CHECK(DomainSource(read).volume() == Approx(20 * 24 * 28).epsilon(0.03));
+}
+
+TEST_CASE("lengths that a pack cannot be made with are refused with the value and the remedy") {
+    const TemporaryFolder folder;
+    writeObj(ballMesh(10, 3), folder.file("m.obj"));
+    PackRecipe levelSet = recipeFor("ball:10", "constant:2", "levelsets:" + folder.file("v.vdb"));
+    runPack(levelSet);
+    writeNrrd(folder.file("i.nrrd"),
+              Voxels<std::uint8_t>::of(gridAround(5, {{1, 1, 1}}),
+                                       [](const Vec<3>& p) { return length(p) < 4; }),
+              "uint8");
+    const auto refusal = [](const std::string& domain, double scale, const std::string& radius) {
+        return messageOf<Error>([&] {
+            PackRecipe recipe = recipeFor(domain, radius);
+            recipe.domain.scale = scale;
+            runPack(recipe);
+        });
+    };
+    for (const char* file : {"m.obj", "v.vdb", "i.nrrd"})
+        for (const double scale : {1e-9, 1e-5, 1e7}) {
+            CAPTURE(file, scale);
+            CHECK_THAT(refusal(folder.file(file), scale, "constant:1"),
+                       Contains(file) && Contains("mm") && Contains("`unit`"));
+        }
+    for (const char* domain : {"box:20,20,20", "ball:10", "rect:20,20"})
+        for (const char* radius : {"constant:1e-08", "uniform:1,1000000"}) {
+            CAPTURE(domain, radius);
+            CHECK_THAT(refusal(domain, 1, radius),
+                       Contains(radius) && Contains("1e-7 to 1e5 mm") && Contains("`scale`"));
+        }
 }

@@ -1,4 +1,4 @@
-// Units of length in files; inside the library everything is mm.
+// Units of length and axes in files; inside the library everything is mm.
 #pragma once
 
 #include "vdbpack/core/error.h"
@@ -6,6 +6,10 @@
 #include <string>
 
 namespace vdbpack {
+
+/// The axes of the world that images are placed in: x to the left and y to the back of the patient
+/// as in DICOM, or x to the right and y to the front as in NIfTI.
+enum class ImageSpace { lps, ras };
 
 enum class Unit { meter, centimeter, millimeter, micrometer };
 

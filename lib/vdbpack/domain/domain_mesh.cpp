@@ -25,15 +25,10 @@ TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file,
     MeshReadOptions options;
     options.unit = recipe.unit;
     options.scale = recipe.scale;
-    CrossedFaces crossed;
+    options.space = recipe.space;
     TriangleMesh mesh = recipe.mesh && file == recipe.source
                             ? scaledMesh(*recipe.mesh, recipe.scale * millimetersPer(recipe.unit))
-                            : readMesh(file, options, &crossed);
-    if (crossed.count > 0)
-        callbacks.warn(fmt::format(
-            "{}: the outlines of {} faces cross themselves, first at ({:.6g}, {:.6g}, {:.6g}). "
-            "Their triangles overlap: export the mesh as triangles",
-            file, crossed.count, crossed.firstAt[0], crossed.firstAt[1], crossed.firstAt[2]));
+                            : readMesh(file, options, callbacks);
     if (!recipe.repair) return mesh;
     RepairOptions repair = repairOptions(recipe);
     repair.name = file;

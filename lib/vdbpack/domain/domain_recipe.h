@@ -21,10 +21,6 @@ class VdbGrid;
 /// alone, without the walls of cavities and clips.
 enum class ShellFrom { walls, outer };
 
-/// The axes of the world that an image is placed in: x to the left and y to the back of the patient
-/// as in DICOM, or x to the right and y to the front as in NIfTI.
-enum class ImageSpace { lps, ras };
-
 /// A part of space that is kept.
 struct Clip {
     std::string text;                  ///< as `parseClip` reads it
@@ -63,7 +59,7 @@ struct DomainRecipe {
     /// Distances of the voxels of an image that states none, else of label maps that are written,
     /// mm; nothing: the distances that the image states.
     std::optional<Vec<3>> voxelSpacing;
-    ImageSpace space = ImageSpace::lps;  ///< of an image
+    ImageSpace space = ImageSpace::lps;  ///< of images, and of meshes that state theirs
     std::optional<double> slice;         ///< height z of a plane of the domain, mm; nothing: all
     std::vector<Clip> clips;             ///< only what lies in all of them is kept
     std::array<bool, 3> periodic{};      ///< axes along which a box or rectangle repeats

@@ -1,6 +1,7 @@
 #include "vdbpack/domain/domain_source.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/weyl.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/depth.h"
 #include "vdbpack/domain/domain_image.h"
@@ -28,10 +29,8 @@ namespace {
 
 /// A requested voxel size is used if it is within these factors of the default.
 constexpr double kFinest = 0.6, kCoarsest = 1.3;
-/// Points by which the volume of a clipped mesh is estimated, to about 1 %, and the steps between
-/// them.
+/// Points by which the volume of a clipped mesh is estimated, to about 1 %.
 constexpr std::size_t kVolumePoints = 20000;
-constexpr double kWeyl[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
 
 /// A clip of space as a clip of the plane z = height.
 std::vector<HalfSpace<2>> inPlane(const std::vector<HalfSpace<3>>& planes, double height) {
@@ -88,9 +87,9 @@ void requireShape(const DomainRecipe& recipe) {
 
 /// The level set of a .vdb. @throws InputError, which asks for a threshold if there is a fog volume
 /// instead.
-std::shared_ptr<const VdbGrid> domainLevelSet(const DomainRecipe& recipe, double scale) {
+std::shared_ptr<const VdbGrid> domainLevelSet(const DomainRecipe& recipe) {
     try {
-        return levelSetGrid(recipe.source, recipe.gridName, scale);
+        return levelSetGrid(recipe.source, recipe.gridName, recipe.scale, recipe.unit);
     } catch (const InputError&) {
         const auto fog = findFogVolume(recipe.source, recipe.gridName, false);
         if (!fog) throw;
@@ -139,20 +138,20 @@ void DomainSource::takeShape(const NamedShape& shape) {
 }
 
 void DomainSource::takeSurface(const Callbacks& callbacks) {
-    const double scale = recipe_.scale * millimetersPer(recipe_.unit);
     const bool isFile = !isInMemory(recipe_);
     const bool isVdb = isFile && extensionOf(recipe_.source) == ".vdb";
     if (isVdb && recipe_.threshold) {
-        mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, scale, *recipe_.threshold);
+        mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, recipe_.scale, *recipe_.threshold,
+                              recipe_.unit);
     } else if (isVdb || recipe_.levelSet) {
-        levelSet_ = isVdb ? domainLevelSet(recipe_, scale) : recipe_.levelSet;
+        levelSet_ = isVdb ? domainLevelSet(recipe_) : recipe_.levelSet;
         mesh_ = levelSetMesh(*levelSet_, recipe_.source);
     } else {
         mesh_ = isImage(recipe_) ? imageMesh(recipe_, callbacks, imageGrid_, spaced_)
                                  : readDomainMesh(recipe_, callbacks, repair_);
     }
-    takeMesh(callbacks);
     if (isFile && !levelSet_ && !isImage(recipe_)) warnOfLostDigits(*mesh_, recipe_, callbacks);
+    takeMesh(callbacks);
 }
 
 DomainSource::DomainSource(const DomainRecipe& recipe, TriangleMesh mesh,
@@ -274,12 +273,7 @@ double DomainSource::clippedVolume() const {
     const MeshSides sides(*mesh_, false);
     std::size_t inside = 0;
     for (std::size_t n = 0; n < kVolumePoints; ++n) {
-        Vec<3> x;
-        // Weyl's sequence: spread evenly, without a lattice to resonate with the bone.
-        for (int d = 0; d < 3; ++d) {
-            const double part = std::fmod((static_cast<double>(n) + 0.5) * kWeyl[d], 1.0);
-            x[d] = box.lo[d] + part * (box.hi[d] - box.lo[d]);
-        }
+        const Vec<3> x = weylPoint(n, box);
         const bool kept = std::all_of(clips_.begin(), clips_.end(), [&](const HalfSpace<3>& h) {
             return dot(h.normal, x) <= h.offset;
         });

@@ -14,7 +14,9 @@ namespace vdbpack {
 namespace {
 
 /// Diagonal below which voxels in 32-bit floats have no digits left, mm.
-constexpr double kSmallestExtent = 1e-4;
+constexpr double kSmallestExtent = 1e-3;
+/// Diagonal above which absolute tolerances are no longer small against the digits, mm.
+constexpr double kLargestExtent = 1e7;
 /// Steps between coordinates larger than this share of an edge are steps in the surface; those of a
 /// mesh about the origin (within so many of its lengths) are how it was made.
 constexpr double kStepOfEdge = 0.02, kFarOff = 20;
@@ -38,11 +40,12 @@ void warnOfLostDigits(const TriangleMesh& mesh, const DomainRecipe& recipe,
 
 void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks& callbacks) {
     const double extent = length(bounds.size());
-    if (!(extent > kSmallestExtent))
+    if (!(extent > kSmallestExtent && extent < kLargestExtent))
         throw InputError(fmt::format(
-            "{}: is {:.3g} mm across, too small to compute with; the file is read in {}: check "
-            "`unit` and `scale`",
-            recipe.source, extent, unitName(recipe.unit)));
+            "{}: is {:.3g} mm across, too {} to compute with ({:g} to {:g} mm); the file is read "
+            "in {}: check `unit` and `scale`",
+            recipe.source, extent, extent < 1 ? "small" : "large", kSmallestExtent, kLargestExtent,
+            unitName(recipe.unit)));
     if (extent < 2 || extent > 5000)
         callbacks.warn(fmt::format(
             "{}: is {:.3g} mm across, which is unlikely for a bone; the file is read in {}: give "

@@ -10,6 +10,7 @@
 #include "vdbpack/field/vdb_field.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
+#include "vdbpack/mesh/wall_clearance.h"
 
 #include <fmt/format.h>
 
@@ -201,16 +202,17 @@ public:
     double volume = 0;     // that the field encloses, mm³
     bool contour = false;  // the field is a level set, the mesh its contour
 
-    FieldBuilder(const TriangleMesh& mesh, const MeshHealth& health, const MeshNesting& nesting,
+    FieldBuilder(const TriangleMesh& mesh, const MeshAnalysis& analysis, const MeshNesting& nesting,
                  const FieldOptions& options, const Callbacks& callbacks)
         : voxelSize(options.voxelSize > 0 ? options.voxelSize
                                           : defaultVoxelSize(mesh, options.detail)),
           mesh_(mesh),
-          health_(health),
+          analysis_(analysis),
+          health_(analysis.health),
           nesting_(nesting),
           options_(options),
           callbacks_(callbacks) {
-        requireVoxels(options.name, mesh, health.area, voxelSize, options.depth);
+        requireVoxels(options.name, mesh, health_.area, voxelSize, options.depth);
     }
 
     /// Refuses a mesh whose field cannot agree with it, before anything is made of it.
@@ -257,26 +259,35 @@ private:
         return difference <= kVolumeTolerance;
     }
 
-    /// Tries voxels of half the size: walls too thin for the voxels are no flaw of the mesh, while
-    /// a hole shows at any size.
+    /// Whether voxels of `size` are few enough, whatever the radii: `mesh` decides by the same.
+    bool isAffordable(double size) const {
+        return estimatedVoxels(health_.area, size, 0) < kMostDefaultVoxels;
+    }
+
+    /// Tries voxels of half the size, and ever smaller ones if none was asked for: walls and gaps
+    /// too thin for the voxels are no flaw of the mesh, while a hole shows at any size.
     void refine() {
         const double coarseVolume = volume;
-        const double half = 0.5 * voxelSize;
-        if (!(estimatedVoxels(health_.area, half, options_.depth) < kMostDefaultVoxels) ||
-            !voxelize(half)) {
-            // Voxels that were asked for may be coarser than that; the mesh may still be sound.
-            const double fine = 0.5 * defaultVoxelSize(mesh_, 0);
-            if (options_.voxelSize > 0 && fine < half && isClean(health_) && voxelize(fine))
-                refuseVoxels(options_.name, health_, coarseVolume, voxelSize, fine);
-            refuseMesh(options_.name, health_, coarseVolume, voxelSize);
-        }
-        callbacks_.warn(fmt::format(
-            "{}: voxels of {:.4g} mm are too coarse for its thin walls; {:.4g} mm taken",
-            options_.name, voxelSize, half));
-        voxelSize = half;
+        const WallClearance clearance =
+            isSound(health_) ? wallClearance(mesh_, analysis_) : WallClearance{};
+        const bool once = options_.voxelSize > 0 || !clearance.isSolid;
+        double size = voxelSize;
+        do {
+            size *= 0.5;
+            if (!isAffordable(size) || !voxelize(size)) continue;
+            callbacks_.warn(fmt::format(
+                "{}: voxels of {:.4g} mm are too coarse for its thin walls; {:.4g} mm taken",
+                options_.name, voxelSize, size));
+            voxelSize = size;
+            return;
+        } while (!once && isAffordable(size));
+        if (!clearance.isSolid) refuseMesh(options_.name, health_, coarseVolume, voxelSize);
+        refuseVoxels(options_.name, health_, coarseVolume, voxelSize, clearance,
+                     0.5 * std::min({size, clearance.gap, defaultVoxelSize(mesh_, 0)}));
     }
 
     const TriangleMesh& mesh_;
+    const MeshAnalysis& analysis_;
     const MeshHealth& health_;
     const MeshNesting& nesting_;
     const FieldOptions& options_;
@@ -308,7 +319,7 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
         throw InputError(fmt::format("{}: no triangle has an area; repair the mesh", options.name));
     Parts parts;
     parts.nesting = nestingOf(*analysis);
-    FieldBuilder builder(mesh, health, parts.nesting, options, callbacks);
+    FieldBuilder builder(mesh, *analysis, parts.nesting, options, callbacks);
     builder.check(levelSet);
     // Each is partly serial.
     invokeAll(
@@ -318,8 +329,9 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     if (!isClean(health)) {
         callbacks.warn(fmt::format(
             "{}: the mesh has flaws: {}; its field is sound and is used ({:.6g} mm³, the mesh "
-            "itself {:.6g} mm³)",
-            options.name, flawsOf(health), builder.volume, health.enclosedVolume));
+            "itself {:.6g} mm³){}",
+            options.name, flawsOf(health), builder.volume, health.enclosedVolume,
+            isSound(health) ? "" : "; set `repair` to mend them"));
     }
     parts.volume = isClean(health) ? health.enclosedVolume : builder.volume;
     parts.area = health.area;

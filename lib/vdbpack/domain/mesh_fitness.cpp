@@ -82,7 +82,7 @@ MeshFitness fitnessOf(const TriangleMesh& mesh, const MeshHealth& health,
     try {
         checkSize(mesh.bounds(), recipe, callbacks);
         std::string refusal;
-        if (isClean(health) && !health.enclosesNothing()) {
+        if (isSound(health) && !health.enclosesNothing()) {
             refusal = refusalOf(mesh, health, recipe, callbacks);
             if (refusal.empty()) {
                 fitness.verdict = MeshFitness::Verdict::yes;

@@ -50,15 +50,16 @@ std::vector<NamedMesh> componentsOf(const TriangleMesh& mesh, const std::string&
 
 }  // namespace
 
-std::vector<NamedMesh> meshParts(const DomainRecipe& domain) {
+std::vector<NamedMesh> meshParts(const DomainRecipe& domain, const Callbacks& callbacks) {
     if (isImage(domain))
         throw ParameterError(
             "`partsBy` is for meshes; parts of an image are its labels (`label` all)");
     MeshReadOptions read;
     read.unit = domain.unit;
     read.scale = domain.scale;
+    read.space = domain.space;
     MeshGroups names;
-    const TriangleMesh mesh = readMesh(domain.source, read, nullptr, &names);
+    const TriangleMesh mesh = readMesh(domain.source, read, callbacks, &names);
     std::vector<NamedMesh> parts;
     if (domain.partsBy == PartsBy::component)
         parts = componentsOf(mesh, domain.source);

@@ -1,6 +1,7 @@
 // The parts of one mesh.
 #pragma once
 
+#include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain_recipe.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
@@ -18,6 +19,6 @@ struct NamedMesh {
 /// file, or its connected components by decreasing volume (`domain.partsBy`).
 /// @throws ParameterError for an image; InputError for another number of parts, for a component
 ///         inside another one, and as `readMesh`
-std::vector<NamedMesh> meshParts(const DomainRecipe& domain);
+std::vector<NamedMesh> meshParts(const DomainRecipe& domain, const Callbacks& callbacks);
 
 }  // namespace vdbpack

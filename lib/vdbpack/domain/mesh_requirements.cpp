@@ -1,6 +1,7 @@
 #include "vdbpack/domain/mesh_requirements.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/smallest_voxel.h"
 
 #include <fmt/format.h>
 
@@ -67,6 +68,11 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
             fmt::format("{}: voxels of {:.4g} mm are larger than the mesh, which is {:.4g} mm "
                         "across; give smaller voxels, or check the unit of the mesh",
                         name, voxelSize, longest));
+    if (voxelSize < kSmallestVoxel)
+        throw ParameterError(
+            fmt::format("{}: voxels of {:.4g} mm are smaller than a field can have, {:g} mm; check "
+                        "`unit` and `scale` of the mesh, which is {:.4g} mm across",
+                        name, voxelSize, kSmallestVoxel, longest));
     const double voxels = estimatedVoxels(area, voxelSize, depth);
     if (!(voxels < kMostVoxels) || !(longest / voxelSize < 1e6))
         throw ResourceError(
@@ -101,8 +107,12 @@ void requireVolume(const std::string& name, const MeshHealth& health, double vox
                     name, 2 * half, voxelSize, half));
 }
 
+bool isSound(const MeshHealth& health) {
+    return health.isClosed() && health.inconsistentEdges == 0 && health.intersections == 0;
+}
+
 bool isClean(const MeshHealth& health) {
-    return health.isWatertight() && health.inconsistentEdges == 0 && health.intersections == 0;
+    return health.isWatertight() && isSound(health);
 }
 
 std::string flawsOf(const MeshHealth& health) {
@@ -114,8 +124,9 @@ std::string flawsOf(const MeshHealth& health) {
     add(health.nonManifoldEdges, "edges with more than two triangles");
     add(health.inconsistentEdges, "edges between triangles of opposite orientation");
     add(health.duplicateTriangles, "duplicate triangles");
-    add(health.intersections,
-        "pairs of components that intersect, whose overlap counts as outside");
+    if (health.intersections > 0)
+        text += (text.empty() ? "" : ", ") + health.describeIntersections() +
+                ", which counts as outside";
     return text;
 }
 
@@ -129,21 +140,24 @@ void refuseMesh(const std::string& name, const MeshHealth& health, double fieldV
             fmt::format("{}: the mesh is not closed: {}; {}; close the holes, or set `repair`",
                         name, health.describeLeak(), volumes));
     refuseCopies(name, health);
+    const std::string flaws = flawsOf(health);
     throw InputError(fmt::format(
-        "{}: inside and outside are ambiguous: {}{}{}; the likely cause is {}; correct the mesh, "
-        "or set `repair`",
-        name, volumes, isClean(health) ? "" : "; ", isClean(health) ? "" : flawsOf(health),
-        health.shells > 1 ? "components that overlap" : "a surface that intersects itself"));
+        "{}: inside and outside are ambiguous: {}; {}; correct the mesh, or set `repair`", name,
+        volumes, flaws.empty() ? "the surface intersects itself" : flaws));
 }
 
 void refuseVoxels(const std::string& name, const MeshHealth& health, double fieldVolume,
-                  double voxelSize, double fineEnough) {
-    throw InputError(
-        fmt::format("{}: voxels of {:.4g} mm are too coarse for the mesh, which is about {:.3g} mm "
-                    "thick: their field encloses {:.6g} mm³, the mesh {:.6g} mm³. Set `voxelSize` "
-                    "to {:.2g} mm or less",
-                    name, voxelSize, 2 * health.enclosedVolume / health.area, fieldVolume,
-                    health.enclosedVolume, fineEnough));
+                  double voxelSize, const WallClearance& clearance, double fineEnough) {
+    const std::string gaps =
+        std::isfinite(clearance.gap)
+            ? fmt::format(", with gaps of about {:.2g} mm between walls", clearance.gap)
+            : "";
+    throw InputError(fmt::format(
+        "{}: voxels of {:.4g} mm are too coarse for the mesh, whose thinnest walls are about "
+        "{:.2g} mm thick{}: their field encloses {:.6g} mm³, the mesh {:.6g} mm³. Set `voxelSize` "
+        "to {:.2g} mm or less",
+        name, voxelSize, clearance.thickness, gaps, fieldVolume, health.enclosedVolume,
+        fineEnough));
 }
 
 }  // namespace vdbpack

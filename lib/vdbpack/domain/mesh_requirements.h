@@ -4,6 +4,7 @@
 
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/wall_clearance.h"
 
 #include <string>
 
@@ -27,6 +28,10 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
 /// that is no surface but loose triangles. @throws InputError
 void requireVolume(const std::string& name, const MeshHealth& health, double voxelSize);
 
+/// Whether a field of the mesh can be all that the mesh encloses: it is closed, and no triangles
+/// face the wrong way or reach into other components. Components may touch at edges.
+bool isSound(const MeshHealth& health);
+
 /// Whether every edge has two triangles of equal orientation and no components intersect, so that
 /// the mesh has a volume.
 bool isClean(const MeshHealth& health);
@@ -38,9 +43,11 @@ std::string flawsOf(const MeshHealth& health);
 [[noreturn]] void refuseMesh(const std::string& name, const MeshHealth& health, double fieldVolume,
                              double voxelSize);
 
-/// Refuses voxels that the mesh is too thin for, in a message with a size that is small enough.
+/// Refuses voxels that walls or gaps of the mesh are too thin for, in a message with a size that is
+/// small enough.
 /// @throws InputError always.
 [[noreturn]] void refuseVoxels(const std::string& name, const MeshHealth& health,
-                               double fieldVolume, double voxelSize, double fineEnough);
+                               double fieldVolume, double voxelSize, const WallClearance& clearance,
+                               double fineEnough);
 
 }  // namespace vdbpack

@@ -5,6 +5,7 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/level_set_builder.h"
+#include "vdbpack/field/smallest_voxel.h"
 
 #include <fmt/format.h>
 
@@ -154,8 +155,11 @@ std::shared_ptr<const VdbGrid> sampled(const Domain<3>& domain, double voxelSize
 }  // namespace
 
 std::shared_ptr<const VdbGrid> surfaceLevelSet(const Domain<3>& domain, double voxelSize) {
-    if (!(voxelSize > 0 && std::isfinite(voxelSize)))
-        throw ParameterError(fmt::format("voxel size {} mm must be positive", voxelSize));
+    if (!(voxelSize >= kSmallestVoxel && std::isfinite(voxelSize)))
+        throw ParameterError(
+            fmt::format("voxel size {} mm must be at least {} mm, in a domain in "
+                        "proportion",
+                        voxelSize, kSmallestVoxel));
     try {
         if (const auto* mesh = dynamic_cast<const MeshDomain*>(&domain))
             return mesh->gridOf(voxelSize);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
+#include "vdbpack/core/units.h"
 #include "vdbpack/core/vec.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
@@ -18,11 +19,12 @@ class VdbGrid;
 
 /// Reads a level set from a .vdb file, in mm.
 /// @param gridName  may be empty: the first level set of the file.
-/// @param scale     mm in one unit of the file.
+/// @param scale     a factor on all lengths.
+/// @param unit      of the lengths in the file, unless the grid states its own, as ours do.
 /// @throws IoError if the file cannot be read, InputError if it contains no such level set, or one
 /// whose voxels are not cubes, ParameterError if `scale` is not positive, ResourceError.
 std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::string& gridName,
-                                            double scale);
+                                            double scale, Unit unit = Unit::millimeter);
 
 /// A grid of floats that is no level set, such as a fog volume.
 struct FogVolume {
@@ -40,7 +42,7 @@ std::optional<FogVolume> findFogVolume(const std::string& path, const std::strin
 /// having larger values. @throws as `levelSetGrid`; InputError if `threshold` is not between the
 /// values outside and inside.
 TriangleMesh fogVolumeMesh(const std::string& path, const std::string& gridName, double scale,
-                           double threshold);
+                           double threshold, Unit unit = Unit::millimeter);
 
 /// Whether a .vdb file contains a level set; false as well where it cannot be read.
 bool holdsLevelSet(const std::string& path);

@@ -2,8 +2,10 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/read_vdb.h"
+#include "vdbpack/field/smallest_voxel.h"
 #include "vdbpack/field/vdb_archive.h"
 #include "vdbpack/field/vdb_grid.h"
+#include "vdbpack/io/stated_unit.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/ChangeBackground.h>
@@ -104,6 +106,13 @@ void checkLevelSet(const std::string& path, const FloatGrid& grid) {
     checkValues(path, grid);
 }
 
+/// Millimeters in one unit of the grid's lengths. @param unit  where it states none
+double millimetersIn(const FloatGrid& grid, Unit unit) {
+    const auto stated = grid.getMetadata<openvdb::StringMetadata>(kUnitKey);
+    return millimetersPer(stated ? statedUnit(kUnitComment + stated->value()).value_or(unit)
+                                 : unit);
+}
+
 /// The grid of floats of that name that is no level set; see `findFogVolume`.
 FloatGrid::Ptr readFogVolume(const std::string& path, const std::string& gridName, bool besides) {
     VdbArchive file(path);
@@ -146,7 +155,7 @@ std::optional<FogVolume> findFogVolume(const std::string& path, const std::strin
 }
 
 TriangleMesh fogVolumeMesh(const std::string& path, const std::string& gridName, double scale,
-                           double threshold) {
+                           double threshold, Unit unit) {
     FloatGrid::Ptr grid;
     readVdb(path, [&] {
         grid = readFogVolume(path, gridName, true);
@@ -171,7 +180,7 @@ TriangleMesh fogVolumeMesh(const std::string& path, const std::string& gridName,
         const auto level = static_cast<float>(threshold);
         for (auto value = grid->beginValueAll(); value; ++value) value.setValue(level - *value);
         grid->tree().root().setBackground(level - grid->background(), false);
-        grid->transform().postScale(scale);
+        grid->transform().postScale(scale * millimetersIn(*grid, unit));
         if (!isCheapToContour(*grid))
             throw InputError(fmt::format(
                 "{}: the surface of fog volume '{}' runs between large active tiles; write it with "
@@ -191,17 +200,23 @@ bool holdsLevelSet(const std::string& path) {
 }
 
 std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::string& gridName,
-                                            double scale) {
+                                            double scale, Unit unit) {
     if (!(scale > 0) || !std::isfinite(scale))
         throw ParameterError(fmt::format("{}: scale {} must be positive", path, scale));
     FloatGrid::Ptr grid;
     readVdb(path, [&] {
         grid = readLevelSet(path, gridName);
         checkLevelSet(path, *grid);
-        grid->transform().postScale(scale);
-        if (scale == 1) return;
+        const double factor = scale * millimetersIn(*grid, unit);
+        const double voxel = grid->voxelSize()[0] * factor;
+        if (!(voxel >= kSmallestVoxel))
+            throw InputError(fmt::format(
+                "{}: the voxels of '{}' are {:g} mm wide, below {:g} mm; check `unit` and `scale`",
+                path, grid->getName(), voxel, kSmallestVoxel));
+        grid->transform().postScale(factor);
+        if (factor == 1) return;
         // Every value, in the band or not, is a distance.
-        const auto mm = static_cast<float>(scale);
+        const auto mm = static_cast<float>(factor);
         for (auto value = grid->beginValueAll(); value; ++value) value.setValue(*value * mm);
         openvdb::tools::changeBackground(grid->tree(), grid->background() * mm);
     });

@@ -2,13 +2,12 @@
 #pragma once
 
 #include "vdbpack/core/units.h"
+#include "vdbpack/io/stated_unit.h"
 
 #include <string_view>
 
 namespace vdbpack {
 
-/// Name of the unit in the metadata of .vdb and .vtp; comments have `kUnitComment`.
-inline constexpr const char* kUnitKey = "unit_of_length";
 inline constexpr const char* kGeneratorKey = "generator";
 /// The periodic cell: axes that wrap, lower and upper corner, as "xyz 0 0 0 10 10 10".
 inline constexpr const char* kCellKey = "periodic_cell";

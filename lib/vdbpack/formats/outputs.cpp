@@ -109,8 +109,10 @@ void writeContour(const OutputTarget& target, const RunOutputs<Dim>& have) {
     const auto levelSets = levelSetsOf(have);
     const VdbGrid& levelSet = chosenLevelSet(target.text, target.grid, levelSets);
     const bool wall = have.wall != nullptr && levelSetName(levelSet) == kSurface;
-    writeStl(wall ? *have.wall : levelSetMesh(levelSet, target.text), target.file,
-             have.options.unit, have.options.generator);
+    // Spheres that touch the wall lie within the wall of the file.
+    writeStl(
+        wall ? roundedOutward(*have.wall, have.options.unit) : levelSetMesh(levelSet, target.text),
+        target.file, have.options.unit, have.options.generator);
 }
 
 /// Ids of a .ply have 32 bits; where one does not fit, the file has none.

@@ -2,6 +2,7 @@
 #include "vdbpack/field/read_vdb.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_archive.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_builder.h"
@@ -269,10 +270,13 @@ Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
             }));
         const std::string found = file.list();
         if (!grid)
-            throw InputError(
-                fmt::format("{}: holds no point grid{}, but {}; name another grid or file", path,
-                            options.gridName.empty() ? "" : " '" + options.gridName + "'",
-                            found.empty() ? "nothing" : found));
+            throw InputError(fmt::format(
+                "{}: holds no point grid{}, but {}; name another grid or file{}", path,
+                options.gridName.empty() ? "" : " '" + options.gridName + "'",
+                found.empty() ? "nothing" : found,
+                findFogVolume(path, options.gridName, true)
+                    ? ". A fog volume is a domain of pack and voids, with `threshold` at its wall"
+                    : ""));
         const std::string unit = noted(*grid, kUnitKey), cell = noted(*grid, kCellKey);
         PackReadOptions stated = options;
         if (!unit.empty()) stated.unit = unitNamed(unit, path);

@@ -26,6 +26,9 @@ inline std::optional<Unit> unitCalled(std::string_view word) {
     return std::nullopt;
 }
 
+/// Name of the unit in the metadata of .vdb, .vtp and .npz files of ours.
+inline constexpr const char* kUnitKey = "unit_of_length";
+
 /// The unit after `kUnitComment` in a comment or header; nothing if it states none of ours.
 inline std::optional<Unit> statedUnit(std::string_view comment) {
     const auto at = comment.find(kUnitComment);

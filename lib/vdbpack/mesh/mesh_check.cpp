@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 
 namespace vdbpack {
@@ -156,7 +157,9 @@ void countEdges(const TriangleMesh& mesh, const EdgeTable& edges, MeshHealth& he
 void countShells(const ShellAnalysis& analysis, MeshHealth& health) {
     health.shells = analysis.shells.size();
     health.enclosedVolume = analysis.enclosedVolume();
-    health.intersections = analysis.intersections;
+    health.intersections = analysis.intersections.pairs;
+    health.intersectionVolume = analysis.intersections.volume;
+    health.intersectionAt = analysis.intersections.at;
     for (const auto& shell : analysis.shells) {
         health.signedVolume += shell.signedVolume;
         const auto depth = static_cast<std::size_t>(shell.depth);
@@ -176,6 +179,15 @@ std::string MeshHealth::describeLeak() const {
                        plural(boundaryEdges, "boundary edge"), leak->vertex, text(leak->position),
                        plural(leak->largest.edges, "edge"), leak->largest.length,
                        text(leak->largest.center));
+}
+
+std::string MeshHealth::describeIntersections() const {
+    // Without the digits that points of a sample do not have.
+    const double step = std::pow(10, std::floor(std::log10(1e-2 * length(bounds.size()))));
+    Vec<3> at;
+    for (int d = 0; d < 3; ++d) at[d] = std::round(intersectionAt[d] / step) * step + 0.0;
+    return fmt::format("{} of components that intersect, in about {:.3g} mm³ about {}",
+                       plural(intersections, "pair"), intersectionVolume, text(at));
 }
 
 MeshAnalysis analyzeMesh(const TriangleMesh& mesh) {
@@ -248,6 +260,7 @@ nlohmann::json toJson(const MeshHealth& health) {
             {"shellsAtDepth", health.shellsAtDepth},
             {"invertedShells", health.invertedShells},
             {"intersections", health.intersections},
+            {"intersectionVolume", health.intersectionVolume},
             {"closed", health.isClosed()},
             {"watertight", health.isWatertight()},
             {"leak", leak}};
@@ -283,8 +296,7 @@ std::string toText(const MeshHealth& health) {
                                  d % 2 == 1 ? "bounding a cavity" : "solid in a cavity"));
     if (health.invertedShells > 0)
         row("inverted components", fmt::format("{}", health.invertedShells));
-    if (health.intersections > 0)
-        row("intersections", fmt::format("{} of components", plural(health.intersections, "pair")));
+    if (health.intersections > 0) row("intersections", health.describeIntersections());
     if (health.isClosed() && health.enclosesNothing())
         row("verdict", "closed, but encloses no volume");
     else if (health.isWatertight())

@@ -50,6 +50,8 @@ struct MeshHealth {
     /// Closed shells of wrong orientation: outer ones that face inward, cavities that face outward.
     std::size_t invertedShells = 0;
     std::size_t intersections = 0;  ///< pairs of closed shells that intersect (mesh_shells.h)
+    double intersectionVolume = 0;  ///< inside both of a pair, mm³, to some 2 %
+    Vec<3> intersectionAt;          ///< middle of the largest such volume, mm
     std::optional<MeshLeak> leak;   ///< none if there is no boundary edge
 
     /// No boundary edges: every shell has an inside.
@@ -64,6 +66,8 @@ struct MeshHealth {
     /// Such as "14 boundary edges, first at vertex 2031 (1.5, -3, 20); largest hole: 10 edges,
     /// 12.3 mm around, at (1, -2, 20)"; empty for a closed mesh.
     std::string describeLeak() const;
+    /// Such as "1 pair of components that intersect, in about 19.9 mm³ about (7, 0, 0)".
+    std::string describeIntersections() const;
 };
 
 /// Examines a welded mesh (welding.h). Cost: linear in the triangles.

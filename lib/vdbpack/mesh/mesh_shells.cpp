@@ -337,7 +337,7 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh, const EdgeTable& edges) {
     measureVolumes(mesh, edges, origins, result);
     sortByVolume(result);
     findNesting(mesh, result);
-    result.intersections = countIntersections(mesh, result);
+    result.intersections = findIntersections(mesh, result);
     return result;
 }
 

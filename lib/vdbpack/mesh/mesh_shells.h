@@ -20,12 +20,18 @@ struct Shell {
     int depth = 0;            ///< number of closed shells that enclose it; odd: it bounds a cavity
 };
 
+/// Pairs of closed shells of which one lies partly inside the other: an edge of one passes through
+/// a triangle of the other. Shells that only touch do not count.
+struct ShellIntersections {
+    std::size_t pairs = 0;
+    double volume = 0;  ///< inside both of a pair, all pairs together, mm³; of points, to some 2 %
+    Vec<3> at;          ///< middle of what the pair with the largest such volume shares, mm
+};
+
 struct ShellAnalysis {
     std::vector<std::uint32_t> shellOfTriangle;  ///< index into `shells`, one per triangle
     std::vector<Shell> shells;                   ///< by decreasing |signedVolume|
-    /// Pairs of closed shells of which one lies partly inside the other: an edge of one passes
-    /// through a triangle of the other.
-    std::size_t intersections = 0;
+    ShellIntersections intersections;
 
     /// Enclosed volume without cavities, for any orientation of the triangles, mm³:
     /// the sum of (-1)^depth |signedVolume|.

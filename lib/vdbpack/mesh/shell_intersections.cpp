@@ -1,5 +1,6 @@
 #include "vdbpack/mesh/shell_intersections.h"
 
+#include "vdbpack/core/weyl.h"
 #include "vdbpack/mesh/mesh_sides.h"
 #include "vdbpack/mesh/triangle_crossing.h"
 
@@ -16,15 +17,17 @@ namespace {
 
 /// How far from a corner of a triangle to its middle a point shows where the corner is.
 constexpr double kFromCorner = 1e-3;
+/// Points by which shared volumes are estimated: of all pairs together, and of each at least.
+constexpr std::size_t kMostPoints = 65536, kLeastPoints = 64;
 
 class Intersections {
 public:
     Intersections(const TriangleMesh& mesh, const ShellAnalysis& analysis)
         : mesh_(mesh), analysis_(analysis), boxes_(analysis.shells.size()) {}
 
-    std::size_t count() {
+    ShellIntersections find() {
         selectTriangles();
-        if (selected_.empty()) return 0;
+        if (selected_.empty()) return {};
         const TriangleTree tree(selected_.size(), [&](std::size_t i) { return corners(i); });
         for (std::size_t i = 0; i < selected_.size(); ++i) {
             const Box<3> box = boxOf(selected_[i]);
@@ -35,7 +38,16 @@ public:
                 return false;
             });
         }
-        return pairs_.size();
+        ShellIntersections found;
+        found.pairs = pairs_.size();
+        double largest = 0;
+        for (const auto& [a, b] : pairs_) {
+            const auto [volume, middle] = shared(a, b);
+            found.volume += volume;
+            if (volume > largest) found.at = middle;
+            largest = std::max(largest, volume);
+        }
+        return found;
     }
 
 private:
@@ -140,6 +152,23 @@ private:
         (isNested(pair.second, pair.first, tolerance) ? nested_ : pairs_).insert(pair);
     }
 
+    /// The volume inside both, and its middle.
+    std::pair<double, Vec<3>> shared(std::uint32_t a, std::uint32_t b) {
+        const std::size_t points = std::max(kLeastPoints, kMostPoints / pairs_.size());
+        const Box<3> box = intersection(boxes_[a], boxes_[b]);
+        std::size_t inside = 0;
+        Vec<3> sum;
+        for (std::size_t n = 0; n < points; ++n) {
+            const Vec<3> x = weylPoint(n, box);
+            if (!sidesOf(a).inside(x) || !sidesOf(b).inside(x)) continue;
+            ++inside;
+            sum += x;
+        }
+        const double share = static_cast<double>(inside) / static_cast<double>(points);
+        return {share * box.volume(),
+                sum * (1.0 / static_cast<double>(std::max<std::size_t>(inside, 1)))};
+    }
+
     const TriangleMesh& mesh_;
     const ShellAnalysis& analysis_;
     std::vector<Box<3>> boxes_;                            ///< of the shells
@@ -152,8 +181,8 @@ private:
 
 }  // namespace
 
-std::size_t countIntersections(const TriangleMesh& mesh, const ShellAnalysis& analysis) {
-    return analysis.shells.size() < 2 ? 0 : Intersections(mesh, analysis).count();
+ShellIntersections findIntersections(const TriangleMesh& mesh, const ShellAnalysis& analysis) {
+    return analysis.shells.size() < 2 ? ShellIntersections{} : Intersections(mesh, analysis).find();
 }
 
 }  // namespace vdbpack

@@ -104,8 +104,8 @@ void imagePlacement(OptionList& rows, DomainRecipe& domain) {
             })
         .of(OptionKind::numbers);
     rows.choice("space", "lps|ras [lps]", domain.space, kSpaces,
-                "axes of the world of images: lps (x to the left, y to the back, as in DICOM) or "
-                "ras (x to the right, y to the front, as in NIfTI)");
+                "axes of the world of images, and of meshes that state theirs: lps (x to the left, "
+                "y to the back, as in DICOM) or ras (x to the right, y to the front, as in NIfTI)");
 }
 
 void repairOptions(OptionList& rows, DomainRecipe& domain) {

@@ -34,9 +34,12 @@ void requireRange(const std::string& spec, double lo, double hi) {
         throw ParameterError(
             fmt::format("radius distribution '{}': bounds {} and {} must be positive and in order",
                         spec, lo, hi));
-    if (lo < 1e-9 || hi > 1e9)
+    // Beyond these, absolute tolerances of the kernel are no longer small against the radii.
+    if (lo < 1e-7 || hi > 1e5)
         throw ParameterError(fmt::format(
-            "radius distribution '{}': radii from {} to {} mm; give 1e-9 to 1e9 mm", spec, lo, hi));
+            "radius distribution '{}': radii from {} to {} mm; give 1e-7 to 1e5 mm, for a domain "
+            "in proportion: `unit` and `scale` make it larger or smaller",
+            spec, lo, hi));
 }
 
 SizeShape uniformShape(double a, double b) {

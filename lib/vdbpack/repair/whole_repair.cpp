@@ -265,7 +265,9 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
     const Buried buried =
         wasOpen ? findBuried(filled, turned.triangles.size(), WindingNumber(filled), &winding)
                 : findBuried(filled, turned.triangles.size(), winding, nullptr);
-    if (holes.left == 0 && buried.agreeing >= kAgreement * buried.checked) {
+    // Triangles that cross others are walls on one side alone.
+    if (report.before.intersections == 0 && holes.left == 0 &&
+        buried.agreeing >= kAgreement * buried.checked) {
         auto walls = wallsOf(filled, buried, report.dropped);
         if (walls) {
             const bool changed = report.duplicates + report.turned + report.dropped > 0 ||

@@ -62,8 +62,8 @@ std::vector<PackRecipe> labelRecipes(const PackRecipe& recipe,
 }
 
 /// One recipe for each part of a mesh.
-std::vector<PackRecipe> meshRecipes(const PackRecipe& recipe) {
-    std::vector<NamedMesh> parts = meshParts(recipe.domain);
+std::vector<PackRecipe> meshRecipes(const PackRecipe& recipe, const Callbacks& callbacks) {
+    std::vector<NamedMesh> parts = meshParts(recipe.domain, callbacks);
     std::vector<PackRecipe> recipes(parts.size(), recipe);
     for (std::size_t k = 0; k < parts.size(); ++k) {
         DomainRecipe& domain = recipes[k].domain;
@@ -78,9 +78,10 @@ std::vector<PackRecipe> meshRecipes(const PackRecipe& recipe) {
 
 /// The recipes of the parts: as given, one a label, or one a piece of a mesh; none if there is one
 /// domain.
-std::vector<PackRecipe> recipesOf(const PackRecipe& recipe, LabelledImages& images) {
+std::vector<PackRecipe> recipesOf(const PackRecipe& recipe, LabelledImages& images,
+                                  const Callbacks& callbacks) {
     if (!recipe.parts.empty()) return recipe.parts;
-    if (recipe.domain.partsBy != PartsBy::none) return meshRecipes(recipe);
+    if (recipe.domain.partsBy != PartsBy::none) return meshRecipes(recipe, callbacks);
     const std::string& label = recipe.domain.label;
     if (!isLabelMap(recipe.domain) || (label != "all" && label.find(',') == std::string::npos))
         return {};
@@ -135,7 +136,7 @@ void cutByLater(const std::vector<LabelPlace>& places, Parts& parts) {
 
 Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
     LabelledImages images(callbacks);
-    std::vector<PackRecipe> recipes = recipesOf(recipe, images);
+    std::vector<PackRecipe> recipes = recipesOf(recipe, images, callbacks);
     if (recipes.empty()) return {};
     checkPartsRecipe(recipe);
     // Labels first, all of an image at once.

@@ -90,10 +90,11 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
 /// The solid as a level set; a mesh in voxels as requested, else as many as are usual.
 std::shared_ptr<const VdbGrid> levelSetOf(const ConvertRecipe& recipe, bool isMesh,
                                           const Callbacks& callbacks) {
-    if (!isMesh) return levelSetGrid(recipe.pack, recipe.packGrid, millimetersPer(recipe.packUnit));
+    if (!isMesh) return levelSetGrid(recipe.pack, recipe.packGrid, 1, recipe.packUnit);
     DomainRecipe solid;
     solid.source = recipe.pack;
     solid.unit = recipe.packUnit;
+    solid.space = recipe.domain.space;
     double voxel = recipe.domain.voxelSize;
     return fieldOfMesh(std::move(solid), 0, recipe, voxel, callbacks)->grid();
 }
@@ -127,7 +128,8 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
     if (isMesh) {
         MeshReadOptions read;
         read.unit = recipe.packUnit;
-        mesh = readMesh(recipe.pack, read);
+        read.space = recipe.domain.space;
+        mesh = readMesh(recipe.pack, read, callbacks);
         result.count = mesh->triangles.size();
     }
     requireNoSpheres(recipe);

@@ -153,8 +153,7 @@ SolidGrid readSolid(const MeasureRecipe& recipe, const Callbacks& callbacks) {
     warnOfNoImage(recipe, callbacks);
     if (found.grid) return found;
     if (!isMeshed(recipe)) {
-        found.grid =
-            levelSetGrid(recipe.pack, recipe.domain.gridName, millimetersPer(recipe.packUnit));
+        found.grid = levelSetGrid(recipe.pack, recipe.domain.gridName, 1, recipe.packUnit);
         return found;
     }
     DomainRecipe solid;

@@ -41,6 +41,17 @@ std::vector<Vec<3>> corners(const TriangleMesh& mesh) {
     return all;
 }
 
+Callbacks keptIn(std::string& warnings) {
+    Callbacks callbacks;
+    callbacks.warning = [&](const std::string& text) { warnings += text; };
+    return callbacks;
+}
+
+/// `text` with `more` behind the first `mark`.
+std::string inserted(std::string text, const std::string& mark, const std::string& more) {
+    return text.insert(text.find(mark) + mark.size(), more);
+}
+
 }  // namespace
 
 TEST_CASE("every format comes back with all its digits") {
@@ -174,9 +185,9 @@ TEST_CASE("a prism with concave ends has its area and volume, from any first cor
                           off);
         for (const auto& [name, text] : {std::pair{"a.off", off}, {"a.ply", ply}, {"a.obj", obj}}) {
             CAPTURE(name, first);
-            CrossedFaces crossed;
-            requirePrism(readMesh(folder.write(name, text), {}, &crossed));
-            CHECK(crossed.count == 0);
+            std::string warning;
+            requirePrism(readMesh(folder.write(name, text), {}, keptIn(warning)));
+            CHECK(warning.empty());
         }
     }
 }
@@ -185,13 +196,12 @@ TEST_CASE("faces whose outline crosses itself are counted, the first by its plac
     const Folder folder;
     MeshReadOptions options;
     options.unit = Unit::centimeter;
-    CrossedFaces crossed;
+    std::string warning;
     readMesh(folder.write("a.obj",
                           "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 5 2 1\nv 7 4 1\nv 7 2 1\nv 5 4 1\n"
                           "f 1 2 3\nf 4 5 6 7\n"),
-             options, &crossed);
-    CHECK(crossed.count == 1);
-    CHECK(crossed.firstAt == Vec<3>{{50, 20, 10}});
+             options, keptIn(warning));
+    CHECK_THAT(warning, Contains("of 1 faces") && Contains("(50, 20, 10)"));
 }
 
 TEST_CASE("vertices with the same coordinates are welded, unused ones dropped") {
@@ -285,4 +295,57 @@ TEST_CASE("a unit in the header of a binary .stl counts") {
     options.scale = 2;
     const Vec<3> size = readMesh(folder.file("s.stl"), options).bounds().size();
     for (int d = 0; d < 3; ++d) CHECK(size[d] == Approx(2 * (40 + 8 * d)));
+}
+
+TEST_CASE("centimeters that a .obj of Maya states are a warning unless a unit is set") {
+    const Folder folder;
+    const auto path = folder.write(
+        "m.obj", "# This file uses centimeters as units for non-parametric coordinates.\n\n" +
+                     obj(tetrahedron(), plainCorner));
+    MeshReadOptions options;
+    options.unit = GENERATE(Unit::millimeter, Unit::centimeter);
+    const bool isSet = options.unit != Unit::millimeter;
+    std::string warning;
+    CHECK(readMesh(path, options, keptIn(warning)).vertices[1][0] == (isSet ? 10 : 1));
+    CHECK(warning.empty() == isSet);
+    if (!isSet) CHECK_THAT(warning, Contains("m.obj") && Contains("`unit` cm") && Contains("10"));
+}
+
+TEST_CASE("axes that a file of 3D Slicer states are used in every format") {
+    const Folder folder;
+    const auto mesh = tetrahedron();
+    const std::string stated = GENERATE(as<std::string>{}, "RAS", "LPS", "");
+    const std::string space = stated.empty() ? "" : "SPACE=" + stated;
+    std::string codes;  // of the characters
+    for (const char c : stated) codes += fmt::format("{} ", static_cast<int>(c));
+    const std::string field = fmt::format(
+        "<FieldData><Array type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" "
+        "format=\"ascii\">{} 0</Array></FieldData>",
+        codes);
+    const auto vtk = vtkText(mesh.vertices, polygonsOf(mesh), true);
+    MeshReadOptions options;
+    options.space = GENERATE(ImageSpace::lps, ImageSpace::ras);
+    const bool turned = stated == (options.space == ImageSpace::lps ? "RAS" : "LPS");
+    const double sign = turned ? -1 : 1;
+    for (const Sample& sample : std::vector<Sample>{
+             {"b.stl", binaryStl(mesh, "3D Slicer output. " + space)},
+             {"a.stl", inserted(asciiStl(mesh), "solid", " 3D Slicer output. " + space)},
+             {"a.obj", "# 3D Slicer output. " + space + "\n" + obj(mesh, plainCorner)},
+             {"b.ply",
+              inserted(ply(mesh, "binary_big_endian"), "1.0\n", "comment " + space + "\n")},
+             {"b.vtk", inserted(vtk, "\n", space + " ")},
+             {"a.vtp",
+              inserted(vtpText(mesh.vertices, polygonsOf(mesh), "ascii"), "<PolyData>", field)}}) {
+        CAPTURE(sample.name, stated, turned);
+        std::string warning;
+        const auto read =
+            readMesh(folder.write(sample.name, sample.content), options, keptIn(warning));
+        CHECK(checkMesh(read).signedVolume == Approx(checkMesh(mesh).signedVolume));
+        const auto have = corners(read), want = corners(mesh);
+        for (std::size_t i = 0; i < want.size(); ++i)
+            CHECK(have[i] ==
+                  Vec<3>{{sign * want[i][0] + 0.0, sign * want[i][1] + 0.0, want[i][2]}});
+        CHECK(warning.empty() == !turned);
+        if (turned) CHECK_THAT(warning, Contains(sample.name) && Contains(space));
+    }
 }

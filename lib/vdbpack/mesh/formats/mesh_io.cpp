@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 #include <new>
+#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -50,10 +51,39 @@ constexpr double kLargest = 1e9;
         " is not read as a mesh; convert it to .stl, .obj, .ply, .off, .gts, .vtp or .vtk");
 }
 
+/// The axes that a header or comment near the beginning of a file states.
+std::optional<ImageSpace> statedSpace(std::string_view head) {
+    if (head.find("SPACE=RAS") != std::string_view::npos) return ImageSpace::ras;
+    if (head.find("SPACE=LPS") != std::string_view::npos) return ImageSpace::lps;
+    return std::nullopt;
+}
+
+/// Turns the mesh into the axes of the world by half a turn about z.
+void turnMesh(TriangleMesh& mesh, const std::string& path, ImageSpace world,
+              const Callbacks& callbacks) {
+    for (Vec<3>& v : mesh.vertices)
+        for (int d = 0; d < 2; ++d) v[d] = 0 - v[d];
+    const bool isLps = world == ImageSpace::lps;
+    callbacks.warn(fmt::format(
+        "{}: states SPACE={}. Its x and y are given the other sign, since the axes of images are "
+        "{} here; set `space` {} to keep the coordinates as they are",
+        path, isLps ? "RAS" : "LPS", isLps ? "LPS" : "RAS", isLps ? "ras" : "lps"));
+}
+
+void warnOfCrossed(const CrossedFaces& crossed, const std::string& path, double factor,
+                   const Callbacks& callbacks) {
+    if (crossed.count == 0) return;
+    const Vec<3> at = crossed.firstAt * factor;
+    callbacks.warn(fmt::format(
+        "{}: the outlines of {} faces cross themselves, first at ({:.6g}, {:.6g}, {:.6g}). "
+        "Their triangles overlap: export the mesh as triangles",
+        path, crossed.count, at[0], at[1], at[2]));
+}
+
 }  // namespace
 
 TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
-                      CrossedFaces* crossed, MeshGroups* groups) {
+                      const Callbacks& callbacks, MeshGroups* groups) {
     if (!std::isfinite(options.scale) || options.scale <= 0)
         throw ParameterError(
             fmt::format("scale {} is not a positive number; use one such as 0.1", options.scale));
@@ -68,13 +98,20 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
     if (extension == ".vtp") read = readVtpMesh;
     if (read == nullptr) refuseFormat(path, extension);
     double factor = millimetersPer(options.unit) * options.scale;
-    CrossedFaces found;
     TriangleMesh mesh;
     try {
         InputFile file(path);
         if (file.size() == 0) file.fail("is empty; export the mesh again");
         file.skipByteOrderMark();
-        MeshReader reader{file, kLargest / factor, found, {}, {}};
+        MeshReader reader{file, kLargest / factor};
+        const std::string_view head = file.peek(1000);
+        reader.statedSpace = statedSpace(head);
+        // Maya writes this comment whatever the shape was made in.
+        if (head.find("uses centimeters as units") != std::string_view::npos &&
+            options.unit == Unit::millimeter)
+            callbacks.warn(path +
+                           ": states centimeters and is read in mm; set `unit` cm if its "
+                           "lengths are 10 times as large");
         read(reader);
         splitPolygons(reader);
         if (reader.statedUnit) factor = millimetersPer(*reader.statedUnit) * options.scale;
@@ -82,13 +119,14 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
         if (groups != nullptr) *groups = std::move(reader.groups);
         if (mesh.triangles.empty()) file.fail("has no triangles; a closed surface is needed");
         if (extension != ".stl") mesh = welded(std::move(mesh));
+        warnOfCrossed(reader.crossed, path, factor, callbacks);
+        if (reader.statedSpace.value_or(options.space) != options.space)
+            turnMesh(mesh, path, options.space, callbacks);
     } catch (const std::bad_alloc&) {
         throw ResourceError(path + ": not enough memory to read it; simplify the mesh");
     }
     if (factor != 1.0)
         for (auto& v : mesh.vertices) v *= factor;
-    found.firstAt *= factor;
-    if (crossed != nullptr) *crossed = found;
     return mesh;
 }
 

@@ -30,14 +30,21 @@ struct PolygonPlace {
     std::uint32_t corners;
 };
 
+/// Polygons of a file whose outline crosses itself.
+struct CrossedFaces {
+    std::size_t count = 0;
+    Vec<3> firstAt;  ///< first corner of the first of them
+};
+
 /// The file, the mesh read from it so far, and the checks of its numbers.
 struct MeshReader {
     InputFile& file;
     double largest;  ///< coordinate allowed, in the unit of the file
-    CrossedFaces& crossed;
-    TriangleMesh mesh;
-    std::vector<PolygonPlace> polygons;  ///< in rising order
-    std::optional<Unit> statedUnit{};    ///< by the file itself
+    CrossedFaces crossed{};
+    TriangleMesh mesh{};
+    std::vector<PolygonPlace> polygons{};     ///< in rising order
+    std::optional<Unit> statedUnit{};         ///< by the file itself
+    std::optional<ImageSpace> statedSpace{};  ///< likewise
     MeshGroups groups{};
 
     /// Whether a point is finite and near enough to the origin.

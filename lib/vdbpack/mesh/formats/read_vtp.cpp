@@ -16,6 +16,7 @@ public:
         : reader_(reader), xml_(reader.file.path(), "PolyData", 0) {}
 
     void read() {
+        readSpace();
         for (const pugi::xml_node& piece : xml_.data().children("Piece")) {
             first_ = reader_.mesh.vertices.size();
             readPoints(piece);
@@ -27,6 +28,18 @@ public:
     }
 
 private:
+    /// The axes of the coordinates, which 3D Slicer writes as field data.
+    void readSpace() {
+        for (const pugi::xml_node& node : xml_.data().child("FieldData")) {
+            if (!VtkXml::isArray(node) || VtkXml::attribute(node, "Name") != "SPACE" ||
+                VtkXml::attribute(node, "type") != "String")
+                continue;
+            const std::string space = xml_.arrays().texts(xml_.described(node), 1, 16)[0];
+            if (space == "RAS") reader_.statedSpace = ImageSpace::ras;
+            if (space == "LPS") reader_.statedSpace = ImageSpace::lps;
+        }
+    }
+
     /// The array of that name in a section of a piece; of any name for an empty one.
     VtkArray arrayOf(const pugi::xml_node& section, const char* name) const {
         for (const pugi::xml_node& node : section)

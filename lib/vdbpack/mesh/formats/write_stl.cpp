@@ -1,18 +1,61 @@
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/row_writer.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/mesh/triangle_crossing.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <string>
+#include <vector>
 
 namespace vdbpack {
+
+TriangleMesh roundedOutward(TriangleMesh mesh, Unit unit) {
+    const ShellAnalysis analysis = analyzeShells(mesh);
+    // Of the triangles at each vertex, those of vertex v from first[v] on.
+    std::vector<std::size_t> first(mesh.vertices.size() + 1, 0);
+    for (const auto& t : mesh.triangles)
+        for (const std::uint32_t v : t) ++first[v + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<Vec<3>> normals(first.back());
+    auto next = first;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const auto c = cornersOf(mesh, mesh.triangles[i]);
+        const Shell& shell = analysis.shells[analysis.shellOfTriangle[i]];
+        const bool isOutward = (shell.signedVolume > 0) == (shell.depth % 2 == 0);
+        const Vec<3> normal = normalized(cross(c[1] - c[0], c[2] - c[0])) * (isOutward ? 1. : -1.);
+        for (const std::uint32_t v : mesh.triangles[i]) normals[next[v]++] = normal;
+    }
+    forAll(mesh.vertices.size(), [&](std::size_t v) {
+        const Vec<3> x = mesh.vertices[v];
+        const auto begin = normals.begin() + static_cast<std::ptrdiff_t>(first[v]);
+        const auto end = normals.begin() + static_cast<std::ptrdiff_t>(first[v + 1]);
+        const Vec<3> middle = normalized(std::accumulate(begin, end, Vec<3>{}));
+        const double largest = std::max({std::fabs(x[0]), std::fabs(x[1]), std::fabs(x[2])});
+        // Farther out until no triangle is crossed; at a saddle too sharp for that, rounded only.
+        for (double step = 0; step < 32; ++step) {
+            Vec<3> out = x + middle * (step * largest * std::numeric_limits<float>::epsilon() / 4);
+            for (double& c : out.c)
+                c = static_cast<double>(static_cast<float>(fromMillimeters(c, unit))) *
+                    millimetersPer(unit);
+            const bool isOutside = std::all_of(
+                begin, end, [&](const Vec<3>& normal) { return dot(out - x, normal) >= 0; });
+            if (step == 0 || isOutside) mesh.vertices[v] = out;
+            if (isOutside) break;
+        }
+    });
+    return mesh;
+}
 
 void writeStl(const TriangleMesh& mesh, const std::string& file, Unit unit,
               const std::string& generator) {
