@@ -91,14 +91,17 @@ class LevelSet:
             raise ParameterError(f"origin: has {len(self.origin)} coordinates, not 3")
 
     def to_pyopenvdb(self) -> Any:
-        """The same as a FloatGrid of pyopenvdb, a level set with a band of three points; mm."""
-        import pyopenvdb
+        """The same as a FloatGrid of OpenVDB, a level set with a band of three points; mm."""
+        try:
+            import openvdb
+        except ImportError:  # its name until OpenVDB 10
+            import pyopenvdb as openvdb
 
-        grid = pyopenvdb.FloatGrid(3 * self.spacing)
+        grid = openvdb.FloatGrid(3 * self.spacing)
         grid.copyFromArray(numpy.clip(self.values, -3 * self.spacing, 3 * self.spacing).astype("f4"))
         rows = [[self.spacing * (i == j) for j in range(3)] + [0] for i in range(3)]
-        grid.transform = pyopenvdb.createLinearTransform([*rows, [*self.origin, 1]])
-        grid.gridClass = pyopenvdb.GridClass.LEVEL_SET
+        grid.transform = openvdb.createLinearTransform([*rows, [*self.origin, 1]])
+        grid.gridClass = openvdb.GridClass.LEVEL_SET
         grid.signedFloodFill()
         return grid
 
