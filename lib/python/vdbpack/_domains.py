@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import os
+from importlib import import_module, util
 from typing import Any, Optional, Tuple, Union
 
 import numpy
@@ -92,11 +93,7 @@ class LevelSet:
 
     def to_pyopenvdb(self) -> Any:
         """The same as a FloatGrid of OpenVDB, a level set with a band of three points; mm."""
-        try:
-            import openvdb
-        except ImportError:  # its name until OpenVDB 10
-            import pyopenvdb as openvdb
-
+        openvdb = import_module("openvdb" if util.find_spec("openvdb") else "pyopenvdb")  # until version 10
         grid = openvdb.FloatGrid(3 * self.spacing)
         grid.copyFromArray(numpy.clip(self.values, -3 * self.spacing, 3 * self.spacing).astype("f4"))
         rows = [[self.spacing * (i == j) for j in range(3)] + [0] for i in range(3)]
