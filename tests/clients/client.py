@@ -10,7 +10,6 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 VDB_PACK = os.environ.get("VDB_PACK", str(ROOT / "build/release/tools/vdb_pack"))
-PYTHON_MODULE = os.environ.get("VDBPACK_PYTHON", str(ROOT / "build/release/lib/python"))
 MESHES = ROOT / "assets/meshes"
 
 
@@ -60,7 +59,7 @@ def vdb_pack(*arguments, **options):
 
 def python_module():
     """The module `vdbpack` of the build folder."""
-    sys.path.insert(0, PYTHON_MODULE)
+    sys.path.insert(0, os.environ.get("VDBPACK_PYTHON", str(ROOT / "build/release/lib/python")))
     import vdbpack
 
     return vdbpack

@@ -308,10 +308,7 @@ def test_labels_of_an_image():
 
 
 def test_grids_of_pyopenvdb():
-    try:
-        import openvdb
-    except ImportError:
-        openvdb = pytest.importorskip("pyopenvdb")
+    openvdb = pytest.importorskip("openvdb" if vdbpack._domains.util.find_spec("openvdb") else "pyopenvdb")
     sphere = openvdb.createLevelSetSphere(radius=6, center=(20, 0, 0), voxelSize=0.5)
     pack = vdbpack.pack(sphere, radius=vdbpack.uniform(0.5, 1))
     assert pack.report["domain"]["volume"] == pytest.approx(4 / 3 * numpy.pi * 216, rel=0.02)
