@@ -1,7 +1,7 @@
-"""Shows a pack (.vtp of vdb_pack) in ParaView as spheres of true radius; 5.10 and later.
+"""Shows a pack (.vtkhdf, .vtp or .pvtp of vdb_pack) in ParaView as spheres of true radius; 5.10 and later.
 
-    paraview bone.vtp paraview_spheres.py                      in the window, for the open file
-    pvpython paraview_spheres.py bone.vtp --color region --render bone.png     a picture
+    paraview bone.vtkhdf paraview_spheres.py                   in the window, for the open file
+    pvpython paraview_spheres.py bone.vtkhdf --color region --render bone.png     a picture
 
 The same by hand: representation Point Gaussian, shader preset Sphere, Gaussian radius 1, scale by
 the array "radius" without a scale function, color by the array of your choice.
@@ -32,7 +32,7 @@ def numbers(text, count, form):
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description="Shows a pack as spheres in ParaView.")
-    parser.add_argument("file", nargs="?", help=".vtp; in the window: what is open")
+    parser.add_argument("file", nargs="?", help=".vtkhdf, .hdf, .vtp or .pvtp; in the window: what is open")
     parser.add_argument("--color", default=COLOR, help=f"array to color by (default {COLOR})")
     parser.add_argument("--render", metavar="FILE.png", help="writes a picture")
     parser.add_argument("--view", type=lambda t: numbers(t, 3, "three numbers such as 1,-1,0.3"),
@@ -48,11 +48,17 @@ def source_of(file):
     if file is None:
         source = simple.GetActiveSource()
         if source is None:
-            fail("no file is open; name one: paraview FILE.vtp paraview_spheres.py")
+            fail("no file is open; name one: paraview FILE.vtkhdf paraview_spheres.py")
         return source
     if not os.path.isfile(file):
         fail(f"{file}: there is no such file")
-    return simple.XMLPolyDataReader(FileName=[os.path.abspath(file)])
+    try:
+        source = simple.OpenDataFile(os.path.abspath(file))
+    except RuntimeError:
+        source = None
+    if source is None:
+        fail(f"{file}: this ParaView knows no such file; a .vtkhdf opens in 5.11 under the name .hdf")
+    return source
 
 
 def main():
@@ -61,7 +67,7 @@ def main():
     source.UpdatePipeline()
     arrays = source.PointData
     if arrays.GetArray("radius") is None:
-        fail("the data has no array 'radius'; write it with vdb_pack ... -o FILE.vtp")
+        fail("the data has no array 'radius'; write it with vdb_pack ... -o FILE.vtkhdf")
     if arrays.GetArray(arguments.color) is None:
         fail(f"there is no array '{arguments.color}' to color by; use {', '.join(arrays.keys())}")
 

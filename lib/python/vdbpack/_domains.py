@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import os
+from importlib import import_module, util
 from typing import Any, Optional, Tuple, Union
 
 import numpy
@@ -91,14 +92,13 @@ class LevelSet:
             raise ParameterError(f"origin: has {len(self.origin)} coordinates, not 3")
 
     def to_pyopenvdb(self) -> Any:
-        """The same as a FloatGrid of pyopenvdb, a level set with a band of three points; mm."""
-        import pyopenvdb
-
-        grid = pyopenvdb.FloatGrid(3 * self.spacing)
+        """The same as a FloatGrid of OpenVDB, a level set with a band of three points; mm."""
+        openvdb = import_module("openvdb" if util.find_spec("openvdb") else "pyopenvdb")  # until version 10
+        grid = openvdb.FloatGrid(3 * self.spacing)
         grid.copyFromArray(numpy.clip(self.values, -3 * self.spacing, 3 * self.spacing).astype("f4"))
         rows = [[self.spacing * (i == j) for j in range(3)] + [0] for i in range(3)]
-        grid.transform = pyopenvdb.createLinearTransform([*rows, [*self.origin, 1]])
-        grid.gridClass = pyopenvdb.GridClass.LEVEL_SET
+        grid.transform = openvdb.createLinearTransform([*rows, [*self.origin, 1]])
+        grid.gridClass = openvdb.GridClass.LEVEL_SET
         grid.signedFloodFill()
         return grid
 

@@ -10,11 +10,8 @@ spheres again.
 """
 
 import argparse
-import math
 import os
-import re
 import sys
-import zipfile
 import zlib
 
 import bpy
@@ -23,19 +20,22 @@ from mathutils import Matrix
 try:
     import numpy as np
 except ImportError:
-    sys.exit("Blender's Python has no numpy, which reads the spheres; on Debian: "
-             "apt-get install python3-numpy")
+    sys.exit("Blender's Python has no numpy; on Debian: apt-get install python3-numpy")
 
 PACK = {}  # filled in by the writer
 SPHERES = "vdb_pack spheres"
+# Points take what is called radius for their own, whatever radius is set in Mesh to Points.
+RENAMED = {"radius": "radius_" + PACK["unit"]}
+# Colors are linear RGBA.
+EVEN_RAMP = [  # dark blue to pale yellow through green, even in lightness
+    (0.019, 0.033, 0.159, 1.0), (0.014, 0.147, 0.319, 1.0), (0.022, 0.342, 0.296, 1.0),
+    (0.235, 0.571, 0.162, 1.0), (0.913, 0.768, 0.223, 1.0)]
+REGION_RAMP = 2 * [(0.068, 0.188, 0.392, 1.0)] + 3 * [(0.871, 0.694, 0.352, 1.0)]  # 0 and 1
 
 
 def fail(message):
     """Ends the run; in a window, where work may lie unsaved, only the script."""
-    message = f"{PACK.get('name', 'blender_scene.py')}: {message}"
-    if bpy.app.background:
-        sys.exit(message)
-    raise RuntimeError(message)
+    raise (SystemExit if bpy.app.background else RuntimeError)(f"{PACK['name']}: {message}")
 
 
 def set_all(target, **values):
@@ -46,36 +46,30 @@ def set_all(target, **values):
 def numbers(example, low=-1e9, high=1e9, kind=float, mark=","):
     """A type of options: as many numbers as the example has, parted by the mark."""
     def parse(text):
-        try:
-            values = [kind(word) for word in text.split(mark)]
-        except ValueError:
-            values = []
-        if len(values) == len(example.split(mark)) and all(low <= v <= high for v in values):
-            return values if mark in example else values[0]
-        raise argparse.ArgumentTypeError(f"'{text}': write it like {example}, with numbers from "
-                                         f"{low:g} to {high:g}")
+        values = [kind(word) for word in text.split(mark)]
+        if len(values) != len(example.split(mark)) or not all(low <= v <= high for v in values):
+            raise ValueError
+        return values if mark in example else values[0]
+    parse.__name__ = f"numbers (such as {example}, from {low:g} to {high:g})"
     return parse
 
 
 def cut_plane(text):
     """`x=3` keeps what lies at x <= 3, `x>3` what lies above: (axis, position, sign)."""
-    found = re.fullmatch(r"([xyz])([=<>])([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)", text)
-    if not found:
-        raise argparse.ArgumentTypeError(f"'{text}': a plane such as x=0, y<2.5 or z>100 expected")
-    axis, mark, position = found.groups()
-    return "xyz".index(axis), float(position), -1 if mark == ">" else 1
+    return "xyz".index(text[:1]), float(text[2:]), (1, 1, -1)["=<>".index(text[1:2])]
 
 
 def parse_arguments(words):
     parser = argparse.ArgumentParser(
-        prog=f"blender -P {PACK['name']} --", description="Shows a pack of spheres in Blender.",
-        epilog="A value that starts with a minus needs an equals sign: --view=-1,0,0")
+        f"blender -P {PACK['name']} --", description="Shows a pack of spheres in Blender. "
+        "A value that starts with a minus needs an equals sign: --view=-1,0,0")
     add = parser.add_argument
     add("--color", default="radius", help="column to color by, such as region, depth or order")
     add("--range", type=numbers("0.5,2"), metavar="A,B", help="values of the first and last color")
     add("--render", metavar="FILE.png", help="writes a picture; with --grow and #### all frames")
     add("--grow", type=numbers("120", 1, 1e6, int), nargs="?", const=120, metavar="FRAMES",
         help="spheres appear in the order they were placed (in 120 frames)")
+    cut_plane.__name__ = "plane (such as x=0, y<2.5 or z>100)"
     add("--cut", type=cut_plane, action="append", default=[], metavar="PLANE",
         help="x=V keeps x <= V, x>V the rest, in the unit of the file; may be repeated")
     add("--surface", default="", metavar="GRID", help="also shows a level set, such as solid")
@@ -109,20 +103,14 @@ def read_spheres():
     try:
         with np.load(path) as file:
             columns = {name: file[name] for name in file.files}
-    except (OSError, ValueError, zipfile.BadZipFile) as problem:
+    except Exception as problem:  # of files, of zip archives, of arrays
         fail(f"{path}: cannot be read: {problem}; keep it beside the script")
     place, radius = columns.pop("positions"), columns.pop("radii")
     if len(place) != PACK["count"] or zlib.crc32(place) != PACK["crc32"]:
         fail(f"{path}: is not the file that was written with this script; write both again with "
              "vdb_pack")
-    return place, {"radius": radius, **{name: values for name, values in columns.items()
-                                        if values.shape == radius.shape
-                                        and values.dtype.kind in "if"}}
-
-
-def attribute_name(column):
-    """Points take what is called radius for their own, whatever radius is set in Mesh to Points."""
-    return "radius_" + PACK["unit"] if column == "radius" else column
+    columns = {k: v for k, v in columns.items() if v.shape == radius.shape and v.dtype.kind in "if"}
+    return place, {"radius": radius, **columns}
 
 
 def make_points(place, columns, scale):
@@ -131,14 +119,101 @@ def make_points(place, columns, scale):
     mesh.vertices.add(len(place))
     mesh.vertices.foreach_set("co", (place * scale).astype(np.float32).ravel())
     for name, values in (*columns.items(), ("drawn_radius", columns["radius"] * scale)):
-        whole = values.dtype.kind == "i"
-        attribute = mesh.attributes.new(attribute_name(name), "INT" if whole else "FLOAT", "POINT")
-        attribute.data.foreach_set("value", values.astype(np.int32 if whole else np.float32))
+        kind, held = ("INT", np.int32) if values.dtype.kind == "i" else ("FLOAT", np.float32)
+        attribute = mesh.attributes.new(RENAMED.get(name, name), kind, "POINT")
+        attribute.data.foreach_set("value", values.astype(held))
     mesh.update()
     return mesh
 
 
-# blender_nodes.py
+def node_adder(owner):
+    """A function that adds a node to a new tree, material or world. Inputs are sockets to link or
+    values to set, by place; None leaves one as it is. It returns the first output in use."""
+    if bpy.app.version < (5, 0, 0) and hasattr(owner, "use_nodes"):
+        owner.use_nodes = True  # later versions always use them
+    tree = getattr(owner, "node_tree", owner)
+    tree.nodes.clear()
+    def add(kind, *inputs, **settings):
+        node = tree.nodes.new(kind)
+        set_all(node, location=(200 * len(tree.nodes), 0), **settings)
+        for socket, value in zip(node.inputs, inputs):
+            if isinstance(value, bpy.types.NodeSocket):
+                tree.links.new(value, socket)
+            elif value is not None:
+                socket.default_value = value
+        return next((socket for socket in node.outputs if socket.enabled), None)
+    return add
+
+
+def add_nodes(target, name, material, change=lambda add, shape: shape):
+    """A modifier of nodes: the geometry, what `change` makes of it, the material."""
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        if hasattr(tree, "interface"):  # since 4.0
+            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+        else:
+            getattr(tree, way.lower() + "s").new("NodeSocketGeometry", "Geometry")
+    add = node_adder(tree)
+    shape = change(add, add("NodeGroupInput"))
+    add("NodeGroupOutput", add("GeometryNodeSetMaterial", shape, None, material))
+    target.modifiers.new(name, "NODES").node_group = tree
+    target.data.materials.append(material)
+
+
+def true_spheres(add, points, growth):
+    """Points that render as spheres. `growth`: first and last order and frames, or None."""
+    radius = add("GeometryNodeInputNamedAttribute", "drawn_radius", data_type="FLOAT")
+    if growth:
+        first, last, frames = growth
+        # A sphere swells while the next hundredth is placed.
+        swell = max(1.0, (last - first) / 100)
+        rate = (last + swell - first) / max(1, frames - 1)
+        frame = add("GeometryNodeInputSceneTime").node.outputs["Frame"]
+        placed = add("ShaderNodeMath", frame, rate, first - rate, operation="MULTIPLY_ADD")
+        order = add("GeometryNodeInputNamedAttribute", "order", data_type="FLOAT")
+        age = add("ShaderNodeMath", placed, order, operation="SUBTRACT")
+        part = add("ShaderNodeMath", age, swell, operation="DIVIDE", use_clamp=True)
+        radius = add("ShaderNodeMath", radius, part, operation="MULTIPLY")
+        unborn = add("FunctionNodeCompare", age, 0.0, operation="LESS_EQUAL", data_type="FLOAT")
+        points = add("GeometryNodeDeleteGeometry", points, unborn, domain="POINT")
+    return add("GeometryNodeMeshToPoints", points, None, None, radius)
+
+
+def sphere_material():
+    material = bpy.data.materials.new(SPHERES)
+    add = node_adder(material)
+    column = add("ShaderNodeAttribute", name="column", attribute_type="GEOMETRY")
+    share = add("ShaderNodeMapRange", column.node.outputs["Fac"], name="range")
+    ramp = add("ShaderNodeValToRGB", share, name="ramp")
+    add("ShaderNodeOutputMaterial", add("ShaderNodeBsdfPrincipled", ramp))
+    return material
+
+
+def color_by(material, name, limits):
+    nodes = material.node_tree.nodes
+    nodes["column"].attribute_name = RENAMED.get(name, name)
+    low, high = limits
+    nodes["range"].inputs["From Min"].default_value = low
+    nodes["range"].inputs["From Max"].default_value = high if high != low else low + 1
+    elements = nodes["ramp"].color_ramp.elements
+    for i, color in enumerate(REGION_RAMP if name == "region" else EVEN_RAMP):
+        element = elements[i] if i < len(elements) else elements.new(0.25 * i)
+        set_all(element, position=0.25 * i, color=color)
+
+
+def surface_material(opacity, cuts):
+    """Translucent, and clear beyond the cut planes (in Blender units)."""
+    material = bpy.data.materials.new("vdb_pack surface")
+    add = node_adder(material)
+    place = add("ShaderNodeSeparateXYZ", add("ShaderNodeNewGeometry")).node.outputs
+    for axis, at, sign in cuts:
+        side = "LESS_THAN" if sign > 0 else "GREATER_THAN"
+        inside = add("ShaderNodeMath", place[axis], at, operation=side)
+        opacity = add("ShaderNodeMath", inside, opacity, operation="MULTIPLY")
+    bone = add("ShaderNodeBsdfPrincipled", (0.768, 0.694, 0.565, 1.0))
+    clear = add("ShaderNodeBsdfTransparent")
+    add("ShaderNodeOutputMaterial", add("ShaderNodeMixShader", opacity, clear, bone))
+    return material
 
 
 def add_object(collection, name, data, is_hidden=False, axes=np.eye(3), position=(0, 0, 0)):
@@ -150,17 +225,17 @@ def add_object(collection, name, data, is_hidden=False, axes=np.eye(3), position
     return added
 
 
-def add_surfaces(collection, center, scale, shown, material):
+def add_surfaces(collection, center, scale, arguments):
     """The .vdb as a volume where the spheres are, and each of its level sets as a mesh."""
+    cuts = [(axis, (at - center[axis]) * scale, sign) for axis, at, sign in arguments.cut]
+    material, shown = surface_material(arguments.opacity, cuts), arguments.surface
     volume = bpy.data.volumes.new("vdb_pack volume")
     volume.filepath = beside(PACK["volume"]) if PACK["volume"] else ""
     if PACK["volume"] and not volume.grids.load():
-        print(f"{volume.filepath}: cannot be read: {volume.grids.error_message}; showing the spheres "
-              "alone")
+        print(f"{volume.filepath}: cannot be read: {volume.grids.error_message}; no level sets")
     grids = {grid.name: grid for grid in volume.grids if grid.data_type == "FLOAT"}
     if shown and shown not in grids:
-        fail(f"--surface {shown}: there is no such level set; "
-             f"use {', '.join(grids) or 'none: there are no level sets'}")
+        fail(f"--surface {shown}: there is no such level set among: {', '.join(grids) or 'none'}")
     holder = add_object(collection, "vdb_pack volume", volume, True)  # a level set is no fog
     set_all(holder, scale=(scale,) * 3, location=-scale * center)
     for name, grid in grids.items():
@@ -175,16 +250,16 @@ def add_surfaces(collection, center, scale, shown, material):
 def basis(ahead, up):
     """Right, up and backward of a camera that looks from `ahead` at the origin."""
     back = np.array(ahead) / np.linalg.norm(ahead)
-    for above in (up, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
-        right = np.cross(above, back)
-        if np.linalg.norm(right) > 1e-6 * np.linalg.norm(above):  # else it looks along `above`
-            break
+    # Where it looks along `up`, another direction is above.
+    sides = (np.cross(above, back) for above in (up / np.linalg.norm(up), (0, 1, 0), (1, 0, 0)))
+    right = next(side for side in sides if np.linalg.norm(side) > 1e-6)
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(back, right), back])
 
 
-def make_camera(scene, collection, place, radius, view, up):
+def make_camera(scene, collection, place, radius, arguments):
     """A camera that sees all spheres and little else; clipped close around them."""
+    view, up, size = arguments.view, arguments.up, np.array(arguments.size)
     if view is None:
         # From the front and a little above; circles from straight above.
         upright = abs(up[1]) < max(abs(up[0]), abs(up[2]))
@@ -193,7 +268,6 @@ def make_camera(scene, collection, place, radius, view, up):
     axes = basis(view, up)
     camera = bpy.data.cameras.new("vdb_pack camera")
     camera.lens = 70
-    size = np.array((scene.render.resolution_x, scene.render.resolution_y))
     tangent = 0.5 * camera.sensor_width / camera.lens * size / size.max()
     place = place @ axes.T
     low, high = (place - radius[:, None]).min(axis=0), (place + radius[:, None]).max(axis=0)
@@ -211,17 +285,17 @@ def make_camera(scene, collection, place, radius, view, up):
 
 def make_light(scene, collection, axes, background):
     sun = bpy.data.lights.new("vdb_pack sun", "SUN")
-    set_all(sun, energy=3.0, angle=math.radians(12))  # soft shadows
+    set_all(sun, energy=3.0, angle=np.radians(12))  # soft shadows
     # Over the left shoulder of who looks.
     add_object(collection, "vdb_pack sun", sun, False, basis((-0.6, 0.8, 1.0) @ axes, axes[1]))
     # The soft fill comes from everywhere; the camera sees a plain color instead.
     scene.world = bpy.data.worlds.new("vdb_pack fill")
-    nodes = shader_nodes(scene.world)
-    fill = nodes.add("ShaderNodeBackground", (0.9, 0.95, 1.0, 1.0), 0.45)
+    add = node_adder(scene.world)
+    fill = add("ShaderNodeBackground", (0.9, 0.95, 1.0, 1.0), 0.45)
     plain = 0.0 if background == "black" else 1.0
-    seen = nodes.add("ShaderNodeBackground", (plain, plain, plain, 1.0), 1.0)
-    ray = nodes.add("ShaderNodeLightPath").node.outputs["Is Camera Ray"]
-    nodes.add("ShaderNodeOutputWorld", nodes.add("ShaderNodeMixShader", ray, fill, seen))
+    seen = add("ShaderNodeBackground", (plain, plain, plain, 1.0), 1.0)
+    ray = add("ShaderNodeLightPath").node.outputs["Is Camera Ray"]
+    add("ShaderNodeOutputWorld", add("ShaderNodeMixShader", ray, fill, seen))
 
 
 def make_scene(arguments):
@@ -253,39 +327,29 @@ def show_in_windows(scene, camera, material, limits, color):
             # Solid shows the spheres in gray, Material Preview not at all (3.4).
             space.shading.type = "RENDERED"
             space.region_3d.view_perspective = "CAMERA"
-
-    def changed(owner, _context):
-        color_by(material, owner.vdb_pack_color, limits[owner.vdb_pack_color])
-
     def draw(panel, context):
         name = context.scene.vdb_pack_color
         panel.layout.prop(context.scene, "vdb_pack_color", text="Color")
         panel.layout.label(text=limits_text(name, limits[name]))
         panel.layout.label(text=f"{PACK['count']} spheres, lengths in {PACK['unit']}")
-
     bpy.types.Scene.vdb_pack_color = bpy.props.EnumProperty(
         name="Color", items=[(name, name, limits_text(name, limits[name])) for name in limits],
-        update=changed)
+        update=lambda own, _: color_by(material, own.vdb_pack_color, limits[own.vdb_pack_color]))
     bpy.utils.register_class(type("VDBPACK_PT_pack", (bpy.types.Panel,), {
         "bl_label": "Spheres", "bl_category": "vdb_pack", "bl_space_type": "VIEW_3D",
         "bl_region_type": "UI", "draw": draw}))
     scene.vdb_pack_color = color
 
 
-def chosen_colors(arguments, columns):
-    """Least and greatest value of each column to color by, and those of the colors."""
-    limits = {name: (float(np.nanmin(values)), float(np.nanmax(values)))
-              for name, values in columns.items() if name != "id" and np.isfinite(values).any()}
-    if "region" in limits:
-        limits["region"] = (0.0, 1.0)
+def column_limits(arguments, columns):
+    """Least and greatest value of each column to color by."""
+    limits = {name: (0.0, 1.0) if name == "region" else (float(np.nanmin(v)), float(np.nanmax(v)))
+              for name, v in columns.items() if name != "id" and np.isfinite(v).any()}
     if arguments.color not in limits:
         fail(f"there is no column '{arguments.color}' to color by; use {', '.join(limits)}")
     if arguments.grow and "order" not in limits:
         fail("--grow: the pack has no column 'order'; pack it again")
-    low, high = arguments.range or limits[arguments.color]
-    if low > high:
-        fail(f"--range {low:g},{high:g}: the lesser number comes first")
-    return limits, (low, high)
+    return limits
 
 
 def main():
@@ -296,16 +360,15 @@ def main():
     center = 0.5 * (place.min(axis=0) + place.max(axis=0))
     # Blender units in one unit of the file: a power of ten for an object of 1 to 10 units.
     extent = np.ptp(place, axis=0).max() + 2 * columns["radius"].max()
-    scale = 10.0 ** -math.floor(math.log10(extent))
-    kept = np.ones(len(place), bool)
-    for axis, position, sign in arguments.cut:
-        kept &= sign * (place[:, axis] - position) <= 0
+    scale = float(10.0 ** -np.floor(np.log10(extent)))
+    kept = np.ones(len(place), bool) & np.all(
+        [sign * (place[:, axis] - position) <= 0 for axis, position, sign in arguments.cut], axis=0)
     if not kept.any():
         fail("the cuts leave no sphere; move them, or turn them around (x<0, x>0)")
     place = place[kept] - center
     columns = {name: values[kept] for name, values in columns.items()}
-    limits, colors = chosen_colors(arguments, columns)
-
+    limits = column_limits(arguments, columns)
+    colors = arguments.range or limits[arguments.color]
     scene = make_scene(arguments)
     collection = bpy.data.collections.new(scene.name)
     scene.collection.children.link(collection)
@@ -315,14 +378,10 @@ def main():
                          arguments.no_spheres)
     growth = (*limits["order"], arguments.grow) if arguments.grow else None
     add_nodes(spheres, SPHERES, material, lambda *points: true_spheres(*points, growth))
-    for name, value in (("unit_of_length", PACK["unit"]), ("blender_units_in_one_unit", scale),
-                        ("center", center.tolist()), ("generator", PACK["generator"])):
-        spheres[name] = value
-    cuts = [(axis, (at - center[axis]) * scale, sign) for axis, at, sign in arguments.cut]
-    add_surfaces(collection, center, scale, arguments.surface,
-                 surface_material(arguments.opacity, cuts))
-    axes, camera = make_camera(scene, collection, place * scale, columns["radius"] * scale,
-                               arguments.view, arguments.up)
+    spheres["unit_of_length"], spheres["blender_units_in_one_unit"] = PACK["unit"], scale
+    spheres["center"], spheres["generator"] = center.tolist(), PACK["generator"]
+    add_surfaces(collection, center, scale, arguments)
+    axes, camera = make_camera(scene, collection, place * scale, columns["radius"] * scale, arguments)
     make_light(scene, collection, axes, arguments.background)
     print(f"{PACK['name']}: {len(place)} of {PACK['count']} spheres, colored by {arguments.color} "
           f"from {limits_text(arguments.color, colors)}; {scale:g} Blender units a {PACK['unit']}")
