@@ -92,7 +92,7 @@ TEST_CASE("closed components that overlap are fit with a repair only") {
     const auto json = asked.json();
     CHECK(json["watertight"] == true);
     CHECK(json["fit"] == "with repair");
-    CHECK_THAT(json["reasons"].dump(), Contains("overlap"));
+    CHECK_THAT(json["reasons"].dump(), Contains("components that intersect"));
     CHECK(json["withRepair"]["changes"]["fusedComponents"] == 2);
     CHECK(asked.json("--repair-components separate")["withRepair"]["components"] == "separate");
 }

@@ -201,7 +201,8 @@ TEST_CASE("meshes without an inside are refused with a reason") {
     const auto ball = ballMesh(5, 2);
     REQUIRE_THROWS_AS(meshDomain(ball, options(-1)), ParameterError);
     REQUIRE_THROWS_AS(meshDomain(ball, options(1, std::nan(""))), ParameterError);
-    REQUIRE_THROWS_AS(meshDomain(ball, options(1e-5)), ResourceError);
+    REQUIRE_THROWS_AS(meshDomain(ball, options(3e-5)), ResourceError);
+    REQUIRE_THROWS_WITH(meshDomain(ball, options(1e-5)), Contains("smaller than a field"));
 }
 
 TEST_CASE("loose triangles are refused before anything is made of them, thin ones too") {

@@ -16,7 +16,7 @@ TEST_CASE("a LAMMPS data file keeps ids, types and densities") {
     REQUIRE(columnOfNumbers(pack, "iz")->numbers == std::vector<double>{0, -1});
 }
 
-TEST_CASE("velocities of a data file are told to be left out") {
+TEST_CASE("velocities of a data file are left out with a warning") {
     const auto heard = [](const char* speed) {
         std::vector<std::string> warnings;
         readText("p.data",

@@ -21,21 +21,21 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 84224},
+    {"lib", 84229},
     {"lib/python", 1989},
     {"lib/vdbpack/core", 2367},
     {"lib/vdbpack/io", 2834},
-    {"lib/vdbpack/mesh", 3819},
+    {"lib/vdbpack/mesh", 3821},
     {"lib/vdbpack/verify", 2324},
     {"lib/vdbpack/image", 5131},
     {"lib/vdbpack/field", 5957},
-    {"lib/vdbpack/repair", 2830},
+    {"lib/vdbpack/repair", 2831},
     {"lib/vdbpack/domain", 6257},
     {"lib/vdbpack/pack", 7726},
     {"lib/vdbpack/densify", 4396},
     {"lib/vdbpack/measure", 5269},
     {"lib/vdbpack/voids", 7970},
-    {"lib/vdbpack/formats", 9422},
+    {"lib/vdbpack/formats", 9424},
     {"lib/vdbpack/report", 3312},
     {"lib/vdbpack/preview", 2580},
     {"lib/vdbpack/view", 1480},
@@ -43,7 +43,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3043},
     {"lib/vdbpack/run", 4994},
     {"tools", 3796},
-    {"tests", 31354},
+    {"tests", 31355},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -42,7 +42,7 @@ TEST_CASE("seeds are numbers, ranges and lists", "[options]") {
     }
 }
 
-TEST_CASE("columns of a pack are named in order, or some of them anew", "[options]") {
+TEST_CASE("columns of a pack are named in order, or some by their names", "[options]") {
     const auto columnsOf = [](const std::string& text) {
         return std::get<MeasureRecipe>(jobOf({"measure", "p.csv", "--columns", text})).packColumns;
     };

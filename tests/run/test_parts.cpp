@@ -307,5 +307,5 @@ TEST_CASE("names in the file of a mesh, or its components, are packed and verifi
     }
     PackRecipe one = meshPart(folder.file("one.stl"), {{{0, 0, 0}}, {{9, 9, 9}}}, "");
     one.domain.partsBy = PartsBy::group;
-    CHECK_THAT(messageOf<InputError>([&] { runPack(one); }), Contains("no parts"));
+    CHECK_THAT(messageOf<InputError>([&] { runPack(one); }), Contains("has 0 parts"));
 }

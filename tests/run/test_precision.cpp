@@ -92,7 +92,7 @@ TEST_CASE("a pack lies within the .stl that its run wrote, far from the origin a
         CHECK(checked.passed);
         CHECK(checked.report.protrusion->max == 0);
         CHECK(checked.report.count > 500);
-        // One judgement of the surface.
+        // Other commands take the surface, too.
         MeshRecipe mesh;
         mesh.domain.source = folder.file("s.stl");
         CHECK(runMesh(mesh).fitness.verdict == MeshFitness::Verdict::yes);

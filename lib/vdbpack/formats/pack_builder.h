@@ -24,9 +24,9 @@ void dropDefaultIds(Pack<3>& pack);
 
 /// Collects the rows of a pack file. Names say what a column holds, in any case and with any signs
 /// between letters: x, y, z (PosX, p_x, position_x, center_x, Points:0, ...), radius (r, rad,
-/// pscale, radii, ...) or else diameter, with the unit of length at the end where it differs from
-/// that of the file (`x [m]`, `radius_um`); id, region, order, depth, contacts. All others are kept
-/// as further columns.
+/// pscale, radii, ...) or else diameter, with the unit of length at the end where it is another
+/// than the unit of the file (`x [m]`, `radius_um`); id, region, order, depth, contacts. All others
+/// are kept as further columns.
 class PackBuilder {
 public:
     /// @param options  the unit of lengths in the file, and what it has in place of its names and
@@ -119,7 +119,7 @@ private:
     std::string problem() const;
     [[noreturn]] void failRow(const std::string& what) const;
     [[noreturn]] void failTwice(const std::string& first, const std::string& second) const;
-    /// @param wanted  the column that is missing; empty: one of those of a sphere.
+    /// @param wanted  the column that is missing; empty: a coordinate or the radius.
     [[noreturn]] void failIncomplete(const std::string& wanted = {}) const;
 
     std::string file_;

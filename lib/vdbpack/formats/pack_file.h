@@ -114,7 +114,7 @@ std::string packPath(const std::string& file);
 
 /// Names for the columns of a file without names, or with names that are not known.
 struct PackColumns {
-    std::vector<std::string> inOrder;  ///< of all columns; empty: those of the file
+    std::vector<std::string> inOrder;  ///< of all columns; empty: the names in the file
     /// A name ("radius", "x [m]") and the column of the file that gets it.
     std::vector<std::pair<std::string, std::string>> renamed;
 

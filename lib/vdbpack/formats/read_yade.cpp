@@ -53,6 +53,16 @@ void nameAttributes(std::string_view firstRow, std::string_view comment,
         names.push_back(named ? std::string(words[c]) : fmt::format("attribute{}", c - known + 1));
 }
 
+/// Drops a column of clumps without one: -1 of all spheres.
+void dropNoClumps(std::vector<Column>& columns) {
+    const auto isNone = [](const Column& c) {
+        return c.name == kYadeClump && !c.numbers.empty() &&
+               std::all_of(c.numbers.begin(), c.numbers.end(),
+                           [](double clump) { return clump == -1; });
+    };
+    columns.erase(std::remove_if(columns.begin(), columns.end(), isNone), columns.end());
+}
+
 }  // namespace
 
 Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
@@ -109,15 +119,7 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
         return true;
     };
     Pack<3> pack = readTable(file, table);
-    // -1: the sphere is not in a clump.
-    auto& columns = pack.columns;
-    columns.erase(std::remove_if(columns.begin(), columns.end(),
-                                 [](const Column& c) {
-                                     return c.name == kYadeClump && !c.numbers.empty() &&
-                                            std::all_of(c.numbers.begin(), c.numbers.end(),
-                                                        [](double clump) { return clump == -1; });
-                                 }),
-                  columns.end());
+    dropNoClumps(pack.columns);
     // The periods have no corner: positions are those of any image.
     if (cell.empty() && !periods.empty()) cell = "xyz 0 0 0 " + periods;
     if (!cell.empty()) pack.cell = cellIn(cell, table.options.unit, path);

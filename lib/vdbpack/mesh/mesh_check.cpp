@@ -186,7 +186,7 @@ std::string MeshHealth::describeIntersections() const {
     const double step = std::pow(10, std::floor(std::log10(1e-2 * length(bounds.size()))));
     Vec<3> at;
     for (int d = 0; d < 3; ++d) at[d] = std::round(intersectionAt[d] / step) * step + 0.0;
-    return fmt::format("{} of components that intersect, in about {:.3g} mm³ about {}",
+    return fmt::format("{} of components that intersect, in about {:.3g} mm³ around {}",
                        plural(intersections, "pair"), intersectionVolume, text(at));
 }
 

@@ -66,7 +66,7 @@ struct MeshHealth {
     /// Such as "14 boundary edges, first at vertex 2031 (1.5, -3, 20); largest hole: 10 edges,
     /// 12.3 mm around, at (1, -2, 20)"; empty for a closed mesh.
     std::string describeLeak() const;
-    /// Such as "1 pair of components that intersect, in about 19.9 mm³ about (7, 0, 0)".
+    /// Such as "1 pair of components that intersect, in about 19.9 mm³ around (7, 0, 0)".
     std::string describeIntersections() const;
 };
 

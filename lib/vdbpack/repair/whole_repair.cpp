@@ -223,7 +223,8 @@ double repairVoxelSize(const TriangleMesh& mesh) {
     const double thickness = area > 0 ? 2 * std::fabs(volume) / area : 0;
     const double finest = std::sqrt(2 * area / kMostRemeshed);
     double size = wanted;
-    if (thickness > 0) size = std::min(size, 0.5 * thickness);
+    // Flat faces of few triangles: five voxels a wall keep their edges.
+    if (thickness > 0) size = std::min(size, 0.2 * thickness);
     return std::max(size, finest);
 }
 

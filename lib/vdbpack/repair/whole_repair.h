@@ -37,8 +37,8 @@ TriangleMesh remesh(const TriangleMesh& mesh, const WindingNumber& winding, doub
 /// Most triangles of a remeshed surface, estimated as two per voxel.
 constexpr double kMostRemeshed = 8e5;
 
-/// Default voxel size, mm: three tenths of a typical edge, at most half of the mean wall thickness,
-/// and larger where that would take more than `kMostRemeshed`.
+/// Default voxel size, mm: three tenths of a typical edge, at most a fifth of the mean wall
+/// thickness, and larger where that would take more than `kMostRemeshed`.
 double repairVoxelSize(const TriangleMesh& mesh);
 
 }  // namespace vdbpack

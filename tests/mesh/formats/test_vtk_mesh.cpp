@@ -73,5 +73,5 @@ TEST_CASE("VTK files without faces, or with cells that are no faces, are refused
     CHECK_THAT(messageFor("image.vtk",
                           "# vtk DataFile Version 3.0\n\nASCII\nDATASET "
                           "STRUCTURED_POINTS\n"),
-               Contains("line 4") && Contains("structured_points"));
+               Contains("line 4") && Contains("STRUCTURED_POINTS"));
 }

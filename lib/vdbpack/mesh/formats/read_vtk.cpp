@@ -27,7 +27,9 @@ class VtkMesh {
 public:
     explicit VtkMesh(MeshReader& reader) : reader_(reader), file_(reader.file.path(), 0) {
         if (file_.dataSet() == "structured_points")
-            file_.fail("is an image; save it as .nrrd or .mha, and set `threshold` or `label`");
+            file_.fail(
+                "is an image (STRUCTURED_POINTS); save it as .nrrd or .mha, and set `threshold` or "
+                "`label`");
         if (file_.dataSet() != "polydata" && file_.dataSet() != "unstructured_grid")
             file_.fail("DATASET POLYDATA expected, found " + quotedExcerpt(file_.dataSet()) +
                        "; extract the surface and save it as .stl");
