@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 84229},
+    {"lib", 84230},
     {"lib/python", 1989},
     {"lib/vdbpack/core", 2367},
     {"lib/vdbpack/io", 2834},
@@ -35,7 +35,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/densify", 4396},
     {"lib/vdbpack/measure", 5269},
     {"lib/vdbpack/voids", 7970},
-    {"lib/vdbpack/formats", 9424},
+    {"lib/vdbpack/formats", 9425},
     {"lib/vdbpack/report", 3312},
     {"lib/vdbpack/preview", 2580},
     {"lib/vdbpack/view", 1480},

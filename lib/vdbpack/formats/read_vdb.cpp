@@ -53,7 +53,8 @@ template <typename... T>
 Put putAnyOf(const points::AttributeArray& array) {
     const std::string type = array.valueType();
     Put put;
-    ((type == openvdb::typeNameAsString<T>() && (put = putNumber<T>(array), true)) || ...);
+    static_cast<void>(
+        ((type == openvdb::typeNameAsString<T>() && (put = putNumber<T>(array), true)) || ...));
     return put;
 }
 
