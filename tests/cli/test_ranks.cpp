@@ -6,10 +6,10 @@
 namespace {
 
 /// mpirun with so many processes on this machine; a process that waits for ever is ended.
-std::string mpirun(int processes) {
+std::string mpirun(int processes, const std::string& program = kTool) {
     return "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 200 mpirun "
            "--oversubscribe -n " +
-           std::to_string(processes) + " " + kTool + " ";
+           std::to_string(processes) + " " + program + " ";
 }
 
 nlohmann::json reportOf(const std::string& command, const TemporaryFolder& folder) {
@@ -172,8 +172,9 @@ TEST_CASE("what is not done by several processes is refused by all, once") {
     }
     // As of a loop over bones that was started by mpirun.
     const Output different =
-        shell(mpirun(1) + "pack ball:5 --radius constant:1 -o " + folder.file("a.csv") +
-              " : -n 1 " + kTool + " pack ball:6 --radius constant:1 -o " + folder.file("b.csv"));
+        shell("tool=" + kTool + " " + mpirun(2, "sh -c") +
+              "'$tool pack ball:$((5 + OMPI_COMM_WORLD_RANK)) --radius constant:1 -o " +
+              folder.file("p.csv") + "'");
     CHECK(different.code == 2);
     CHECK_THAT(different.text, Contains("different arguments"));
     CHECK(folder.files() == 0);

@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 84230},
-    {"lib/python", 1989},
+    {"lib", 84229},
+    {"lib/python", 1988},
     {"lib/vdbpack/core", 2367},
     {"lib/vdbpack/io", 2834},
     {"lib/vdbpack/mesh", 3821},
@@ -43,7 +43,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3043},
     {"lib/vdbpack/run", 4994},
     {"tools", 3796},
-    {"tests", 31355},
+    {"tests", 31356},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

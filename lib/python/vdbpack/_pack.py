@@ -246,11 +246,10 @@ class Pack:
         from yade import utils
 
         scale = float(attributes.pop("scale", 1.0))
-        z = self.slice_height or 0.0
-        return [
-            utils.sphere(tuple(scale * float(c) for c in (*center, z)[:3]), scale * float(radius), **attributes)
-            for center, radius in zip(self.positions, self.radii)
-        ]
+        centers = numpy.full((len(self), 3), self.slice_height or 0.0)
+        centers[:, : self.positions.shape[1]] = self.positions
+        rows: Any = (scale * numpy.column_stack([centers, self.radii])).tolist()
+        return [utils.sphere((x, y, z), radius, **attributes) for x, y, z, radius in rows]
 
 
 class Voids:
