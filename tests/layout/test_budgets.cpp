@@ -21,14 +21,14 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 84229},
+    {"lib", 84232},
     {"lib/python", 1988},
     {"lib/vdbpack/core", 2367},
     {"lib/vdbpack/io", 2834},
     {"lib/vdbpack/mesh", 3821},
     {"lib/vdbpack/verify", 2324},
     {"lib/vdbpack/image", 5131},
-    {"lib/vdbpack/field", 5957},
+    {"lib/vdbpack/field", 5960},
     {"lib/vdbpack/repair", 2831},
     {"lib/vdbpack/domain", 6257},
     {"lib/vdbpack/pack", 7726},

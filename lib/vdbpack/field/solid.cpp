@@ -4,8 +4,9 @@
 #include "vdbpack/field/interior_components.h"
 #include "vdbpack/field/vdb_grid.h"
 
-#include <openvdb/tools/Composite.h>
+#include <openvdb/tools/Merge.h>
 #include <openvdb/tools/Prune.h>
+#include <openvdb/tree/NodeManager.h>
 
 #include <algorithm>
 #include <new>
@@ -16,11 +17,13 @@ namespace vdbpack {
 namespace {
 
 using openvdb::FloatGrid;
+using Tree = FloatGrid::TreeType;
 
 FloatGrid::Ptr difference(const FloatGrid& surface, const FloatGrid& voids) {
     // `csgDifferenceCopy` never returns where memory ends while it joins what its threads made.
-    const FloatGrid::Ptr grid = surface.deepCopy(), taken = voids.deepCopy();
-    openvdb::tools::csgDifference(*grid, *taken, /*prune=*/false);
+    const FloatGrid::Ptr grid = surface.deepCopy();
+    openvdb::tools::CsgDifferenceOp<Tree> operation(voids.constTree(), openvdb::DeepCopy());
+    openvdb::tree::DynamicNodeManager<Tree>(grid->tree()).foreachTopDown(operation);
     grid->setName("solid");
     grid->setGridClass(openvdb::GRID_LEVEL_SET);
     return grid;
