@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 84232},
+    {"lib", 84233},
     {"lib/python", 1988},
     {"lib/vdbpack/core", 2367},
     {"lib/vdbpack/io", 2834},
@@ -40,7 +40,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/preview", 2580},
     {"lib/vdbpack/view", 1480},
     {"lib/vdbpack/distributed", 443},
-    {"lib/vdbpack/options", 3043},
+    {"lib/vdbpack/options", 3044},
     {"lib/vdbpack/run", 4994},
     {"tools", 3796},
     {"tests", 31356},

@@ -1,5 +1,6 @@
 #include "vdbpack/options/usage_error.h"
 
+#include "vdbpack/io/text.h"
 #include "vdbpack/options/suggest.h"
 
 #include <fmt/format.h>
@@ -113,8 +114,8 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
                            colon == std::string::npos ? message : message.substr(colon + 2));
     }
     const auto subject = [&](std::size_t end) { return restyled(message.substr(0, end), style); };
-    // report: "At Most 1 required but received 2"
-    const auto most = message.find(": At Most 1 required but received ");
+    // report: "At Most 1 required but received 2"; later "At most"
+    const auto most = lowered(message).find(": at most 1 required but received ");
     if (most != std::string::npos)
         return fmt::format("{} is given {} times, but takes one value", subject(most),
                            message.substr(message.rfind(' ') + 1));
