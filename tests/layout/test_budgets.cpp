@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 84233},
+    {"lib", 84235},
     {"lib/python", 1988},
     {"lib/vdbpack/core", 2367},
     {"lib/vdbpack/io", 2834},
     {"lib/vdbpack/mesh", 3821},
     {"lib/vdbpack/verify", 2324},
-    {"lib/vdbpack/image", 5131},
+    {"lib/vdbpack/image", 5133},
     {"lib/vdbpack/field", 5960},
     {"lib/vdbpack/repair", 2831},
     {"lib/vdbpack/domain", 6257},
@@ -43,7 +43,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3044},
     {"lib/vdbpack/run", 4994},
     {"tools", 3796},
-    {"tests", 31356},
+    {"tests", 31359},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

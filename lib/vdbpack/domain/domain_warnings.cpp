@@ -113,7 +113,7 @@ void warnOfOtherCell(const std::string& pack, const PeriodicCell<Dim>& stated,
     if (!same)
         callbacks.warn(fmt::format(
             "{}: states another periodic cell than `domain` {}, which counts; leave `domain` out "
-            "for that of the file",
+            "for the cell of the file",
             pack, recipe.source));
 }
 

@@ -1,5 +1,5 @@
 // YADE's text formats (ymport.text, textExt and textClumps): x y z r and what the #format line
-// adds; and those of SpherePack.save, whose fifth column, if there is one, is the clump.
+// adds; files of SpherePack.save have a fifth column at most, the clump.
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/text_table.h"

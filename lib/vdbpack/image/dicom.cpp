@@ -127,9 +127,10 @@ void requireAlike(const DicomSlice& slice, const DicomSlice& first) {
     for (std::size_t axis = 0; axis < 2; ++axis)
         if (length(slice.along[axis] - first.along[axis]) > 1e-3 ||
             std::fabs(slice.spacing.c[axis] - first.spacing.c[axis]) > 1e-3 * first.spacing.c[axis])
-            throw InputError(fmt::format(
-                "{}: its pixels do not lie along those of {}; give slices of one series",
-                slice.name(), first.name()));
+            throw InputError(
+                fmt::format("{}: its pixels and the pixels of {} do not lie along the same axes; "
+                            "give slices of one series",
+                            slice.name(), first.name()));
     if (slice.stack != first.stack)
         throw InputError(fmt::format(
             "{}: is of stack {}, {} of stack {}; the file has several volumes: write each into a "

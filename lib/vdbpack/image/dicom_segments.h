@@ -9,8 +9,9 @@
 
 namespace vdbpack {
 
-/// The segments of a file as labels with their numbers and names; those that overlap lie in layers
-/// of their own. Slices without a frame are empty. Of fractions, those of at least a half count.
+/// The segments of a file as labels with their numbers and names; segments that overlap lie in
+/// layers of their own. Slices without a frame are empty. A fraction of at least a half counts as
+/// inside.
 /// @param frames  of the file. @throws as `readImage`
 Image readSegments(const std::string& path, const std::vector<DicomSlice>& frames,
                    const ImageReadOptions& options);

@@ -33,7 +33,7 @@ struct DicomSlice {
     std::string name() const;
 };
 
-/// What the pixels of a segmentation stand for.
+/// Names of the segments, and how a pixel states its segment.
 struct DicomSegments {
     std::vector<LabelName> names;  ///< of segments by their numbers
     bool ofBits = false;           ///< eight pixels in a byte

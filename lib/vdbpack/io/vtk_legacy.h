@@ -15,7 +15,7 @@
 
 namespace vdbpack {
 
-/// Lists of points: those of cell i end before entry ends[i].
+/// Lists of points: the points of cell i end before entry ends[i].
 struct VtkCells {
     std::vector<std::int64_t> corners;
     std::vector<std::size_t> ends;

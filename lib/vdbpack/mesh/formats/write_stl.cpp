@@ -22,7 +22,7 @@ namespace vdbpack {
 
 TriangleMesh roundedOutward(TriangleMesh mesh, Unit unit) {
     const ShellAnalysis analysis = analyzeShells(mesh);
-    // Of the triangles at each vertex, those of vertex v from first[v] on.
+    // Lists of triangles at each vertex: the list of vertex v begins at first[v].
     std::vector<std::size_t> first(mesh.vertices.size() + 1, 0);
     for (const auto& t : mesh.triangles)
         for (const std::uint32_t v : t) ++first[v + 1];
