@@ -152,6 +152,8 @@ TEST_CASE("a cut ball has the volume of a spherical cap within 0.05 %") {
     if (height < 20)
         REQUIRE(cap->wallArea() == Approx(2 * kPi * radius * height + disc).epsilon(5e-3));
     REQUIRE(cap->bounds().volume() > expected);
+    const double out = 3 * std::pow(2 * radius - height, 2) / (4 * (3 * radius - height));
+    REQUIRE(length(*cap->centroid() - center - normalized(direction) * out) < 2e-3);
 }
 
 TEST_CASE("a box cut along its axes is a box") {
@@ -161,6 +163,7 @@ TEST_CASE("a box cut along its axes is a box") {
     REQUIRE(cut->bounds().lo == Vec<3>{{1, 0, 0}});
     REQUIRE(cut->bounds().hi == Vec<3>{{4, 5, 2}});
     REQUIRE(cut->facts().kind == "box");
+    REQUIRE(*cut->centroid() == Vec<3>{{2.5, 2.5, 1}});
 }
 
 TEST_CASE("cutting twice equals cutting once with both planes") {

@@ -56,6 +56,7 @@ DIM_TEST_CASE("a signed distance function is the domain of its shape") {
     const auto domain = functionDomain<Dim>(ball<Dim>(5), cube<Dim>(11));
     CAPTURE(Dim);
     REQUIRE(domain->volume() == Approx(exact->volume()).epsilon(1e-3));
+    REQUIRE(length(*domain->centroid()) < 1e-9);
     REQUIRE(domain->wallArea() == Approx(exact->wallArea()).epsilon(0.01));
     REQUIRE(domain->volumeDeeperThan(1) == Approx(exact->volumeDeeperThan(1)).epsilon(1e-3));
     const auto sampler = domain->sampler(), other = exact->sampler();

@@ -118,6 +118,14 @@ TEST_CASE("a cavity stays empty whichever way its triangles face") {
     REQUIRE(asker->signedDistance({{0, 11, 0}}) > 0);
     const auto slice = sliceDomain(domain, 3);
     REQUIRE(slice->volume() == Approx(kPi * (91 - 16)).epsilon(0.01));
+    // A cavity off the middle moves the centroid away from it.
+    const Vec<3> to{{2, 1, -1}};
+    const auto uneven = meshDomain(merged(outer, translated(cavity, to)), options(0.4, 4));
+    REQUIRE(length(*uneven->centroid() + to * (1.0 / 7)) < 0.01);
+    const auto half = clippedDomain<3>(domain, {{{{0, 0, -1}}, 0}});
+    REQUIRE((*half->centroid())[2] == Approx(3.0 / 8 * (1e4 - 625) / (1e3 - 125)).epsilon(0.01));
+    const auto disc = sliceDomain(uneven, -1);
+    REQUIRE(length(*disc->centroid() + Vec<2>{{2, 1}} * (25.0 / 74)) < 0.01);
 }
 
 TEST_CASE("shells nest to any depth") {
@@ -140,6 +148,7 @@ TEST_CASE("pieces side by side are one domain") {
     const auto mesh = merged(ballMesh(4, 4), ballMesh(3, 4, {{9, 0, 0}}));
     const auto domain = meshDomain(mesh, options(0.3));
     REQUIRE(domain->volume() == Approx(Measure<3>::ball(4) + Measure<3>::ball(3)).epsilon(0.01));
+    REQUIRE((*domain->centroid())[0] == Approx(9 * 27.0 / (27 + 64)).epsilon(1e-3));
     REQUIRE(domain->sampler()->signedDistance({{9, 0, 0}}) < 0);
     REQUIRE(domain->sampler()->signedDistance({{5, 0, 0}}) > 0);
 }
@@ -150,6 +159,7 @@ TEST_CASE("a bone far from the origin or in another place on the lattice is the 
     const Vec<3> shift{{1e4 + 1.0 / 3, -7e3, 123.456}};
     const auto away = meshDomain(translated(mesh, shift), options(0.4));
     REQUIRE(away->volume() == Approx(home->volume()).epsilon(1e-9));
+    REQUIRE(length(*away->centroid() - *home->centroid() - shift) < 1e-9);
     REQUIRE(away->volumeDeeperThan(1) == Approx(home->volumeDeeperThan(1)).epsilon(1e-4));
     const auto a = home->sampler(), b = away->sampler();
     RandomStream random(2, 2);

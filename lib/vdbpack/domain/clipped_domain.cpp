@@ -96,13 +96,14 @@ public:
           convex_(dynamic_cast<const ConvexShape<Dim>*>(base_.get())),
           planes_(std::move(planes)),
           bounds_(cutBounds(base_->bounds(), planes_)),
-          volume_(volumeDeeperThan(0)) {}
+          whole_(partDeeperThan(0)) {}
 
     const std::shared_ptr<const Domain<Dim>>& base() const { return base_; }
     const std::vector<HalfSpace<Dim>>& planes() const { return planes_; }
 
     Box<Dim> bounds() const override { return bounds_; }
-    double volume() const override { return volume_; }
+    double volume() const override { return whole_.volume; }
+    std::optional<Vec<Dim>> centroid() const override { return whole_.centroid(); }
 
     double wallArea() const override {
         const Vec<Dim> size = bounds_.size();
@@ -114,14 +115,7 @@ public:
         return wallAreaByVolumes(*this, step);
     }
 
-    double volumeDeeperThan(double depth) const override {
-        if (convex_ == nullptr)
-            return volumeBySamples<Dim>(bounds_, base_->facts().voxelSize, depth,
-                                        [this] { return sampler(); });
-        const auto planes = moved(planes_, depth);
-        return volumeByChords(*convex_, planes, depth,
-                              cutBounds(base_->bounds().grown(-depth), planes));
-    }
+    double volumeDeeperThan(double depth) const override { return partDeeperThan(depth).volume; }
 
     double fieldDepth() const override { return base_->fieldDepth(); }
     std::unique_ptr<DomainSampler<Dim>> sampler() const override {
@@ -136,10 +130,19 @@ protected:
     std::shared_ptr<const Domain<Dim>> base_, envelope_;  // no envelope: the domain itself
 
 private:
+    VolumeIntegrals<Dim> partDeeperThan(double depth) const {
+        if (convex_ == nullptr)
+            return integralsBySamples<Dim>(bounds_, base_->facts().voxelSize, depth,
+                                           [this] { return sampler(); });
+        const auto planes = moved(planes_, depth);
+        return integralsByChords(*convex_, planes, depth,
+                                 cutBounds(base_->bounds().grown(-depth), planes));
+    }
+
     const ConvexShape<Dim>* convex_;
     std::vector<HalfSpace<Dim>> planes_;
     Box<Dim> bounds_;
-    double volume_;
+    VolumeIntegrals<Dim> whole_;
 };
 
 class SliceableClipped : public ClippedDomain<3>, public Sliceable {

@@ -4,6 +4,7 @@
 #include "vdbpack/domain/domain.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,8 @@ public:
     virtual void wallsWithin(const Vec<Dim>& x, double reach,
                              std::vector<WallPoint<Dim>>& points) const;
 
+    /// All shapes here are as symmetric as their boxes.
+    std::optional<Vec<Dim>> centroid() const override { return this->bounds().center(); }
     double fieldDepth() const override;
     std::unique_ptr<DomainSampler<Dim>> sampler() const override;
     DomainFacts facts() const override;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -89,6 +90,8 @@ public:
     virtual Box<Dim> bounds() const = 0;
     /// Volume (2D: area), mm^Dim.
     virtual double volume() const = 0;
+    /// The center of its volume, mm; nothing if it is unknown, as that of a mesh with flaws.
+    virtual std::optional<Vec<Dim>> centroid() const { return std::nullopt; }
     /// Area of the wall (2D: its length, the perimeter), mm^(Dim-1).
     virtual double wallArea() const = 0;
     /// Volume (2D: area) of the part farther than `depth` >= 0 from the wall, mm^Dim.

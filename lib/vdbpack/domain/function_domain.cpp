@@ -110,14 +110,13 @@ public:
           longest_(longestSide(bounds)) {}
 
     /// Integrates the volume, which a domain that is only sampled does not need.
-    void integrate() { volume_ = volumeDeeperThan(0); }
+    void integrate() { whole_ = partDeeperThan(0); }
 
     Box<Dim> bounds() const override { return bounds_; }
-    double volume() const override { return volume_; }
+    double volume() const override { return whole_.volume; }
+    std::optional<Vec<Dim>> centroid() const override { return whole_.centroid(); }
     double wallArea() const override { return wallAreaByVolumes(*this, 0.005 * longest_); }
-    double volumeDeeperThan(double depth) const override {
-        return volumeBySamples<Dim>(bounds_, 0, depth, [this] { return sampler(); });
-    }
+    double volumeDeeperThan(double depth) const override { return partDeeperThan(depth).volume; }
     double fieldDepth() const override { return std::numeric_limits<double>::infinity(); }
     std::unique_ptr<DomainSampler<Dim>> sampler() const override {
         return std::make_unique<FunctionSampler<Dim>>(f_, scale_, kStep * longest_,
@@ -130,12 +129,16 @@ public:
     }
 
 private:
+    VolumeIntegrals<Dim> partDeeperThan(double depth) const {
+        return integralsBySamples<Dim>(bounds_, 0, depth, [this] { return sampler(); });
+    }
+
     Function<Dim> f_;
     double scale_;
     Box<Dim> bounds_;
     std::shared_ptr<const Domain<Dim>> box_;
     double longest_;
-    double volume_ = 0;
+    VolumeIntegrals<Dim> whole_;
 };
 
 template <int Dim>

@@ -56,6 +56,7 @@ public:
 
     Box<Dim> bounds() const override { return intersection(inner_->bounds(), outer_->bounds()); }
     double volume() const override { return inner_->volume(); }
+    std::optional<Vec<Dim>> centroid() const override { return inner_->centroid(); }
     double wallArea() const override { return inner_->wallArea(); }
     double volumeDeeperThan(double depth) const override { return inner_->volumeDeeperThan(depth); }
     double fieldDepth() const override {
@@ -82,10 +83,11 @@ public:
               bool fromBase)
         : IntersectionDomain(std::move(base), std::move(outside)),
           fromBase_(fromBase),
-          volume_(volumeDeeperThan(0)) {}
+          whole_(partDeeperThan(0)) {}
 
     Box<3> bounds() const override { return inner_->bounds(); }
-    double volume() const override { return volume_; }
+    double volume() const override { return whole_.volume; }
+    std::optional<Vec<3>> centroid() const override { return whole_.centroid(); }
     double wallArea() const override {
         const double voxel = std::max(inner_->facts().voxelSize, outer_->facts().voxelSize);
         const Vec<3> size = bounds().size();
@@ -93,18 +95,20 @@ public:
             voxel > 0 ? voxel : 0.01 * *std::min_element(size.c.begin(), size.c.end());
         return wallAreaByVolumes(*this, step);
     }
-    double volumeDeeperThan(double depth) const override {
-        return volumeBySamples<3>(bounds(), inner_->facts().voxelSize, depth,
-                                  [this] { return sampler(); });
-    }
+    double volumeDeeperThan(double depth) const override { return partDeeperThan(depth).volume; }
 
     const Domain<3>& envelope() const override {
         return fromBase_ ? inner_->envelope() : static_cast<const Domain<3>&>(*this);
     }
 
 private:
+    VolumeIntegrals<3> partDeeperThan(double depth) const {
+        return integralsBySamples<3>(bounds(), inner_->facts().voxelSize, depth,
+                                     [this] { return sampler(); });
+    }
+
     bool fromBase_;
-    double volume_;
+    VolumeIntegrals<3> whole_;
 };
 
 }  // namespace

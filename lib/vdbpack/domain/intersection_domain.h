@@ -21,7 +21,7 @@ std::shared_ptr<const Domain<3>> partDomain(std::shared_ptr<const Domain<3>> inn
                                             std::shared_ptr<const Domain<3>> outer);
 
 /// What `outside` leaves of `base`: the points inside both, neither of which lies within the other.
-/// Volumes are sums over samples (`volumeBySamples`); facts are taken from `base`.
+/// Volumes are sums over samples (`integralsBySamples`); facts are taken from `base`.
 /// @param fromBase  whether its envelope is that of `base`.
 std::shared_ptr<const Domain<3>> cutDomain(std::shared_ptr<const Domain<3>> base,
                                            std::shared_ptr<const Domain<3>> outside, bool fromBase);

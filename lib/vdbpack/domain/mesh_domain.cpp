@@ -6,6 +6,7 @@
 #include "vdbpack/domain/facet_bins.h"
 #include "vdbpack/domain/mesh_requirements.h"
 #include "vdbpack/domain/mesh_slice.h"
+#include "vdbpack/domain/volume_integrals.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_field.h"
 #include "vdbpack/mesh/mesh_shells.h"
@@ -29,20 +30,24 @@ constexpr double kMostDefaultVoxels = 4e7;
 // Layers of voxels in a common band: six radii inside, three outside.
 constexpr double kCommonLayers = 9;
 
-/// Area and volume, about a vertex so that digits survive far from zero.
-std::pair<double, double> areaAndVolume(const TriangleMesh& mesh) {
+/// Area, and integrals over the inside, about a vertex so that digits survive far from zero.
+/// @param facing  as in MeshNesting.
+std::pair<double, VolumeIntegrals<3>> areaAndIntegrals(
+    const TriangleMesh& mesh, const std::vector<std::int8_t>& facing = {}) {
     double area = 0;
-    double volume = 0;
-    if (mesh.vertices.empty()) return {area, volume};
+    VolumeIntegrals<3> inside;
+    if (mesh.vertices.empty()) return {area, inside};
     const Vec<3> origin = mesh.vertices.front();
-    for (const auto& t : mesh.triangles) {
+    for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+        const auto& t = mesh.triangles[k];
         const Vec<3> a = mesh.vertices[t[0]] - origin;
         const Vec<3> b = mesh.vertices[t[1]] - origin;
         const Vec<3> c = mesh.vertices[t[2]] - origin;
         area += 0.5 * length(cross(b - a, c - a));
-        volume += dot(a, cross(b, c)) / 6;
+        inside.add((facing.empty() ? 1 : facing[k]) * dot(a, cross(b, c)) / 6, (a + b + c) * 0.25);
     }
-    return {area, std::abs(volume)};
+    inside.moment += origin * inside.volume;
+    return {area, inside};
 }
 
 class MeshDomainSampler : public DomainSampler<3> {
@@ -134,6 +139,13 @@ public:
 
     Box<3> bounds() const override { return bounds_; }
     double volume() const override { return parts_.volume; }
+    std::optional<Vec<3>> centroid() const override {
+        const auto inside = areaAndIntegrals(parts_.mesh, parts_.nesting.facing).second;
+        // What surfaces with flaws enclose may not be what the field has inside.
+        const double difference = std::abs(std::abs(inside.volume) - parts_.volume);
+        if (!(difference <= kVolumeTolerance * parts_.volume)) return std::nullopt;
+        return inside.centroid();
+    }
     double wallArea() const override { return parts_.area; }
     double volumeDeeperThan(double depth) const override {
         return depth > 0 ? parts_.field->volumeDeeperThan(depth) : parts_.volume;
@@ -372,7 +384,8 @@ std::shared_ptr<const MeshDomain> levelSetDomain(const std::string& path,
 }
 
 double defaultVoxelSize(const TriangleMesh& mesh, double detail) {
-    const auto [area, volume] = areaAndVolume(mesh);
+    const auto [area, inside] = areaAndIntegrals(mesh);
+    const double volume = std::abs(inside.volume);
     const Box<3> bounds = mesh.bounds();
     if (bounds.empty() || !(area > 0)) return detail > 0 ? detail : 1;
     const Vec<3> size = bounds.size();

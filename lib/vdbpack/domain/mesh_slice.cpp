@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/facet_bins.h"
+#include "vdbpack/domain/volume_integrals.h"
 
 #include <fmt/format.h>
 
@@ -76,19 +77,25 @@ public:
         fillRaster(inside);
 
         const Vec<2> center = bounds_.center();
+        VolumeIntegrals<2> integrals;
         for (const auto& segment : bins_.facets()) {
             const Vec<2> a = segment[0] - center;
             const Vec<2> b = segment[1] - center;
-            area_ += 0.5 * (a[0] * b[1] - a[1] * b[0]);
+            integrals.add(0.5 * (a[0] * b[1] - a[1] * b[0]), center + (a + b) * (1.0 / 3));
             length_ += length(b - a);
         }
+        area_ = integrals.volume;
+        centroid_ = integrals.centroid();
         if (oriented) return;
         const double byRaster = areaDeeperThan(0);
-        if (!(std::abs(area_ - byRaster) <= kAreaTolerance * byRaster)) area_ = byRaster;
+        if (std::abs(area_ - byRaster) <= kAreaTolerance * byRaster) return;
+        area_ = byRaster;
+        centroid_.reset();
     }
 
     Box<2> bounds() const override { return bounds_; }
     double volume() const override { return area_; }
+    std::optional<Vec<2>> centroid() const override { return centroid_; }
     double wallArea() const override { return length_; }
     double volumeDeeperThan(double depth) const override {
         return depth > 0 ? areaDeeperThan(depth) : area_;
@@ -216,6 +223,7 @@ private:
     double outside_ = 0;
     std::vector<float> raster_;
     double area_ = 0;
+    std::optional<Vec<2>> centroid_;
     double length_ = 0;
 };
 
