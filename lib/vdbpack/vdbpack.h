@@ -42,6 +42,7 @@
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
+#include "vdbpack/measure/mass_offset.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/measure/pair_correlation.h"
 #include "vdbpack/measure/vacancies.h"

@@ -65,8 +65,9 @@ void checkAlike(std::string job, const Counts& counts) {
         CHECK(several["spheres"]["count"] == one["spheres"]["count"]);
         CHECK(several["spheres"]["requested"] == one["spheres"]["requested"]);
         for (const char* key :
-             {"pairs", "wall", "histogram", "components", "largestComponent", "fabric"})
+             {"pairs", "wall", "histogram", "components", "largestComponent", "fabric", "modulus"})
             CHECK(several["contacts"][key] == one["contacts"][key]);
+        CHECK(several["massOffset"] == one["massOffset"]);
         CHECK(several["overlap"] == one["overlap"]);
         CHECK(several["protrusion"] == one["protrusion"]);
         CHECK(several["voids"]["culled"] == one["voids"]["culled"]);

@@ -46,14 +46,39 @@ std::pair<std::vector<Sphere<Dim>>, std::vector<std::int64_t>> dealt(
     return own;
 }
 
-/// The fabric of contacts whose sums of all ranks are these.
+/// Two of three spheres are deep.
+std::vector<float> someDepths(std::size_t count) {
+    std::vector<float> depths(count);
+    for (std::size_t i = 0; i < count; ++i) depths[i] = i % 3 > 0 ? 100 : 0;
+    return depths;
+}
+
+std::vector<float> ofRows(const std::vector<float>& depths, const std::vector<std::int64_t>& rows) {
+    std::vector<float> own;
+    for (const auto row : rows) own.push_back(depths[static_cast<std::size_t>(row)]);
+    return own;
+}
+
+/// The network of contacts whose sums of all ranks are these, by `fabric` and what goes with it.
 template <int Dim>
-auto fabricOf(Ranks& ranks, const ContactSums& sums) {
-    std::vector<std::uint64_t> fabric(sums.fabric.begin(), sums.fabric.end());
-    ranks.sum(fabric);
+ContactNetwork networkOver(Ranks& ranks, const ContactSums& sums) {
+    std::vector<std::uint64_t> numbers(sums.fabric.begin(), sums.fabric.end());
+    numbers.insert(numbers.end(), sums.stiffness.begin(), sums.stiffness.end());
+    numbers.push_back(sums.deepContacts);
+    ranks.sum(numbers);
     ContactSums together;
-    std::copy(fabric.begin(), fabric.end(), together.fabric.begin());
-    return networkOf(together, Dim).fabric;
+    std::copy_n(numbers.begin(), 6, together.fabric.begin());
+    std::copy_n(numbers.begin() + 6, 21, together.stiffness.begin());
+    together.deepContacts = numbers.back();
+    return networkOf(together, Dim);
+}
+
+/// @param rounding  of differences of images.
+void checkDirections(const ContactNetwork& a, const ContactNetwork& b, double rounding) {
+    for (std::size_t k = 0; k < 3; ++k) CHECK(length(a.fabric[k] - b.fabric[k]) <= rounding);
+    CHECK(a.deepContacts > 1000);
+    CHECK(a.deepContacts == b.deepContacts);
+    CHECK(a.modulusRatio == Approx(b.modulusRatio).epsilon(rounding));
 }
 
 }  // namespace
@@ -65,7 +90,8 @@ DIM_TEST_CASE("parts of space find what one pass over all spheres finds") {
     PeriodicCell<Dim> cell{{{}, Box<Dim>::filled(axes > 0 ? side : 0)}, {}};
     cell.wraps.fill(axes > 0);
     cell.wraps[1] = axes == 2;
-    const ContactCheck all = countContacts(spheres, tolerance, {}, cell);
+    const auto depths = someDepths(spheres.size());
+    const ContactCheck all = countContacts(spheres, tolerance, depths, cell);
     const OverlapCheck overlaps = checkOverlap(spheres, cell);
     REQUIRE(all.components > 100);
     REQUIRE(overlaps.pairs > 1000);
@@ -79,7 +105,8 @@ DIM_TEST_CASE("parts of space find what one pass over all spheres finds") {
     std::vector<std::int32_t> partners(spheres.size());
     onRanks(office, [&](Ranks& ranks) {
         const auto [own, rows] = dealt(spheres, ranks);
-        SpaceShares<Dim> shares(ranks, own, rows, {tolerance, 0, cell}, perPart);
+        const auto depth = ofRows(depths, rows);
+        SpaceShares<Dim> shares(ranks, own, rows, {tolerance, 0, cell}, &depth, perPart);
         JoinedComponents components(ranks);
         ContactSums sums;
         std::vector<std::int32_t> counts(own.size());
@@ -91,7 +118,7 @@ DIM_TEST_CASE("parts of space find what one pass over all spheres finds") {
             const OverlapCheck here = checkOverlap(part.spheres, part.own);
             pairs += here.pairs;
             largest = std::max(largest, here.max);
-            const PartContacts contacts = contactsOfPart(part.spheres, part.own, tolerance);
+            const auto contacts = contactsOfPart(part.spheres, part.own, tolerance, part.depth);
             sums.add(contacts.sums);
             components.add(part.own, contacts.component, part.rows, part.shared);
             shares.handBack(contacts.partners, counts);
@@ -99,7 +126,7 @@ DIM_TEST_CASE("parts of space find what one pass over all spheres finds") {
         pairs = sumOver(&ranks, pairs);
         seen = sumOver(&ranks, seen);
         largest = maxOver(&ranks, largest);
-        const auto fabric = fabricOf<Dim>(ranks, sums);
+        const ContactNetwork network = networkOver<Dim>(ranks, sums);
         const double gap = minOver(&ranks, sums.smallestGap);
         const auto joined = components.join();
         const std::lock_guard<std::mutex> lock(checking);
@@ -110,8 +137,7 @@ DIM_TEST_CASE("parts of space find what one pass over all spheres finds") {
         CHECK(joined.components == all.components);
         CHECK(static_cast<double>(joined.largest) ==
               Approx(all.largestComponent * static_cast<double>(spheres.size())));
-        for (std::size_t k = 0; k < 3; ++k)
-            CHECK(length(fabric[k] - all.fabric[k]) <= (cell.any() ? 1e-9 : 0));
+        checkDirections(network, all, cell.any() ? 1e-9 : 0);
         for (std::size_t i = 0; i < own.size(); ++i)
             partners[static_cast<std::size_t>(rows[i])] = counts[i];
     });

@@ -22,6 +22,7 @@ inline Report sampleReport() {
     r.ksByVolume = 0.005;
     r.solidFractionTotal = 0.586;
     r.solidFractionInterior = 0.62;
+    r.massOffset = MassOffset{{0.3, std::nullopt, -0.4}, 0.5, 0.005};
     r.contacts.emplace();
     r.contacts->mean = 4.31;
     r.contacts->histogram = {1, 20, 300, 4000, 2000, 10};

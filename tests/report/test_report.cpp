@@ -14,6 +14,8 @@ Report fullReport() {
     r.domain.boundaryEdges = 3;
     r.area = 4567;
     r.contacts->histogram = {1, 1101920};
+    r.contacts->modulusRatio = 1.5;
+    r.contacts->stiffest = {{0.6, 0.8, 0}};
     r.wallSizes = Report::WallSizes{};
     r.seconds.domain = 1.5;
     r.densified = Report::Densified{};
@@ -40,9 +42,11 @@ TEST_CASE("the report has the keys that scripts rely on") {
       "spheres": {"count": 0, "existing": 0, "requested": "", "radius": {"min":0,"mean":0,"max":0,"sd":0},
                   "ks": 0, "ksByVolume": 0, "wall": {"depth": 0, "count": 0, "ks": 0, "ksByVolume": 0}},
       "solidFraction": {"total": 0, "interior": 0},
+      "massOffset": {"axes": [0, 0, 0], "length": 0, "share": 0},
       "contacts": {"mean": 0, "tolerance": 0, "meanOfSpheres": 0, "wallsKnown": true, "pairs": 0,
                    "wall": 0, "histogram": [0, 1], "few": {"below": 4, "share": 0},
                    "components": 0, "largestComponent": 0,
+                   "modulus": {"ratio": 0, "direction": [0, 0, 0], "deepContacts": 0},
                    "fabric": {"tensor": [[0, 0, 0], [0, 0, 0], [0, 0, 0]],
                               "eigenvalues": [0, 0, 0], "direction": [0, 0, 0]}},
       "overlap": {"max": 0, "pairs": 0},
@@ -67,15 +71,16 @@ TEST_CASE("the report has the keys that scripts rely on") {
     REQUIRE(json["spheres"]["count"] == 1101921);
     REQUIRE(json["solidFraction"]["interior"] == 0.62);
     REQUIRE(json["voids"]["bvtv"].is_null());
+    REQUIRE(json["massOffset"]["axes"].dump() == "[0.3,null,-0.4]");
 }
 
 TEST_CASE("what was not measured is null") {
     const auto json = toJson(Report{});
     for (const char* path :
          {"/spheres/ks", "/spheres/requested", "/spheres/radius/min", "/solidFraction/total",
-          "/solidFraction/interior", "/contacts/mean", "/overlap/max", "/overlap/pairs",
-          "/protrusion/max", "/protrusion/spheres", "/protrusion/centersOutside", "/voids/bvtv",
-          "/domain/meshVolume"}) {
+          "/solidFraction/interior", "/massOffset", "/contacts/mean", "/overlap/max",
+          "/overlap/pairs", "/protrusion/max", "/protrusion/spheres", "/protrusion/centersOutside",
+          "/voids/bvtv", "/domain/meshVolume"}) {
         CAPTURE(path);
         REQUIRE(json.at(nlohmann::ordered_json::json_pointer(path)).is_null());
     }
@@ -94,7 +99,12 @@ TEST_CASE("the summary fits a terminal and says what matters") {
     REQUIRE(text.back() == '\n');
     REQUIRE_THAT(text, Contains("1,101,921") && Contains("0.5860") &&
                            Contains("624,608 triangles") && Contains("femur.vdb") &&
+                           Contains("center of mass 0.5 mm (0.5 % of the length) off") &&
+                           Contains("estimated modulus along (0.6, 0.8, 0) 1.50 times") &&
                            Contains("pack 10.00") && !Contains("FAILED"));
+    report.contacts->modulusRatio = 0;
+    report.massOffset.reset();
+    REQUIRE_THAT(summary(report), !Contains("modulus") && !Contains("center of mass"));
     report.overlap->pairs = 12;
     report.overlap->max = 0.25;
     REQUIRE_THAT(summary(report), Contains("CHECK FAILED: 12 pairs"));

@@ -130,19 +130,22 @@ ContactSums sumOver(Ranks& ranks, const ContactSums& own) {
     std::size_t bins = 0;
     for (const auto& each : gathered(&ranks, std::vector<std::size_t>{own.histogram.size()}))
         bins = std::max(bins, each.front());
-    std::vector<std::uint64_t> numbers{own.spheres, own.partners, own.wallContacts, own.few};
+    std::vector<std::uint64_t> numbers{own.spheres, own.partners, own.wallContacts, own.few,
+                                       own.deepContacts};
     numbers.insert(numbers.end(), own.fabric.begin(), own.fabric.end());
+    numbers.insert(numbers.end(), own.stiffness.begin(), own.stiffness.end());
     const std::size_t first = numbers.size();
     numbers.insert(numbers.end(), own.histogram.begin(), own.histogram.end());
     numbers.resize(first + bins);
     ranks.sum(numbers);
     ContactSums all;
-    all.spheres = numbers[0];
-    all.partners = numbers[1];
-    all.wallContacts = numbers[2];
-    all.few = numbers[3];
-    std::copy_n(numbers.begin() + 4, all.fabric.size(), all.fabric.begin());
-    all.histogram.assign(numbers.begin() + static_cast<std::ptrdiff_t>(first), numbers.end());
+    auto next = numbers.begin();
+    for (std::uint64_t* number :
+         {&all.spheres, &all.partners, &all.wallContacts, &all.few, &all.deepContacts})
+        *number = *next++;
+    for (std::uint64_t& number : all.fabric) number = *next++;
+    for (std::uint64_t& number : all.stiffness) number = *next++;
+    all.histogram.assign(next, numbers.end());
     all.smallestGap = minOver(&ranks, own.smallestGap);
     return all;
 }
@@ -221,7 +224,8 @@ void measureNeighbors(Ranks& ranks, Pack<Dim>& pack, const std::vector<std::int6
     const auto& spheres = pack.spheres;
     const double gap = report.requestedGap;
     const double slack = std::max(tolerance, report.count > 0 ? 1.01 * gap / report.radius.min : 0);
-    SpaceShares<Dim> shares(ranks, spheres, rows, {slack, 0, pack.cell});
+    SpaceShares<Dim> shares(ranks, spheres, rows, {slack, 0, pack.cell},
+                            pack.cell.all() ? nullptr : &pack.depth);
     JoinedComponents components(ranks);
     ContactSums sums;
     OverlapCheck overlap;
@@ -238,7 +242,7 @@ void measureNeighbors(Ranks& ranks, Pack<Dim>& pack, const std::vector<std::int6
             worst.push_back({w.overlap,
                              {Named<Dim>{part.spheres[w.i], part.rows[w.i]},
                               Named<Dim>{part.spheres[w.j], part.rows[w.j]}}});
-        const PartContacts contacts = contactsOfPart(part.spheres, part.own, tolerance);
+        const PartContacts contacts = contactsOfPart(part.spheres, part.own, tolerance, part.depth);
         sums.add(contacts.sums);
         components.add(part.own, contacts.component, part.rows, part.shared);
         shares.handBack(contacts.partners, pack.contacts);
@@ -331,6 +335,7 @@ Pack<Dim> measureOverRanks(const RankPack<Dim>& share, SphereRows mine,
     report.solidFractionTotal = report.protrusion->spheres > 0
                                     ? interiorFraction(spheres, domain, 0, mine)
                                     : solidFraction(spheres, domain, &ranks);
+    if (!report.interrupted) measureMassOffset(spheres, domain, report, &ranks);
     if (const double interior = 3 * report.radius.max; interior <= domain.fieldDepth())
         report.solidFractionInterior = interiorFraction(spheres, domain, interior, mine);
     measureNeighbors(ranks, pack, mine.rows, tolerance, report, named);

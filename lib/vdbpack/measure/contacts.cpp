@@ -4,6 +4,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/sampling.h"
+#include "vdbpack/measure/stiffness.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_sort.h>
@@ -53,6 +54,45 @@ private:
 
 /// A sum of numbers from -1 to 1 that does not depend on their order.
 constexpr double kFixed = 0x1p31;
+/// Radii below the wall from which on contacts tell of the stiffness, and how many do at least: of
+/// as many in random directions, the modulus ratio is about 1.3 by chance.
+constexpr double kDeepRadii = 3;
+constexpr std::uint64_t kFewestDeep = 1000;
+
+/// Adds the products of the components p <= q of a vector, by rows, `times` times.
+template <int Size, class Sums>
+void addProducts(const Vec<Size>& v, double scale, std::uint64_t times, Sums& sums) {
+    std::size_t k = 0;
+    for (int p = 0; p < Size; ++p)
+        for (int q = p; q < Size; ++q)
+            sums[k++] += times * static_cast<std::uint64_t>(std::llrint(v[p] * v[q] * scale));
+}
+
+/// The symmetric matrix of such sums.
+template <int Size, class Sums>
+Matrix<Size> matrixOf(const Sums& sums) {
+    Matrix<Size> m;
+    std::size_t k = 0;
+    for (std::size_t p = 0; p < Size; ++p)
+        for (std::size_t q = p; q < Size; ++q)
+            m[p].c[q] = m[q].c[p] = static_cast<double>(static_cast<std::int64_t>(sums[k++]));
+    return m;
+}
+
+template <int Dim>
+void addAnisotropy(const ContactSums& sums, ContactNetwork& network) {
+    const Matrix<Dim> fabric = matrixOf<Dim>(sums.fabric);
+    double trace = 0;
+    for (std::size_t p = 0; p < Dim; ++p) trace += fabric[p].c[p];
+    for (std::size_t p = 0; trace > 0 && p < Dim; ++p)
+        for (int q = 0; q < Dim; ++q) network.fabric[p][q] = fabric[p][q] * (1 / trace);
+    network.deepContacts = sums.deepContacts;
+    if (sums.deepContacts < kFewestDeep) return;
+    const auto modulus = modulusRatio<Dim>(matrixOf<Dim*(Dim + 1) / 2>(sums.stiffness));
+    if (!modulus) return;
+    network.modulusRatio = modulus->ratio;
+    network.stiffest = modulus->direction;
+}
 
 /// The spheres with all images that own ones may touch.
 template <int Dim>
@@ -104,16 +144,20 @@ void requireContactTolerance(double tolerance) {
 
 template <int Dim>
 PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t own,
-                            double tolerance, const std::vector<std::uint32_t>* source) {
+                            double tolerance, const std::vector<float>& depth,
+                            const std::vector<std::uint32_t>* source) {
     requireContactTolerance(tolerance);
     requireUsable(spheres);
+    if (!depth.empty() && depth.size() != own)
+        throw ParameterError(fmt::format("contacts: {} depths for {} {}; give one each or none",
+                                         depth.size(), own, Measure<Dim>::kSpheres));
     PartContacts result;
     std::vector<std::atomic<std::int32_t>> counts(spheres.size());
-    struct Found {
-        double smallest = std::numeric_limits<double>::infinity();
-        std::array<std::int64_t, Dim*(Dim + 1) / 2> fabric{};
+    PerThread<ContactSums> found;
+    const auto isDeep = [&](std::uint32_t i) {
+        return i < own &&
+               (depth.empty() || static_cast<double>(depth[i]) > kDeepRadii * spheres[i].radius);
     };
-    PerThread<Found> found;
     Components components(spheres.size());
     const CellLevels<Dim> cells(spheres, tolerance);
     cells.forEachPair(
@@ -121,6 +165,13 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
             double d2) {
             counts[i].fetch_add(1, std::memory_order_relaxed);
             counts[j].fetch_add(1, std::memory_order_relaxed);
+            ContactSums& mine = found.local();
+            const Vec<Dim> to = b.center - a.center;
+            const std::uint64_t deep = std::uint64_t{isDeep(i)} + isDeep(j);
+            if (deep > 0 && d2 > 0) {
+                mine.deepContacts += deep;
+                addProducts(mandelDyad(to), kFixed / (d2 * d2), deep, mine.stiffness);
+            }
             if (source) {
                 if (std::min(i, j) >= own) return;
                 components.join((*source)[i], (*source)[j]);
@@ -129,22 +180,11 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
                 components.join(i, j);
                 if (std::max(i, j) >= own && (isBefore(a, b) ? i : j) >= own) return;
             }
-            Found& mine = found.local();
-            mine.smallest = std::min(mine.smallest, std::sqrt(d2) - a.radius - b.radius);
-            if (!(d2 > 0)) return;
-            const Vec<Dim> to = b.center - a.center;
-            const double scale = kFixed / d2;
-            std::size_t k = 0;
-            for (int p = 0; p < Dim; ++p)
-                for (int q = p; q < Dim; ++q)
-                    mine.fabric[k++] += std::llrint(to[p] * to[q] * scale);
+            mine.smallestGap = std::min(mine.smallestGap, std::sqrt(d2) - a.radius - b.radius);
+            if (d2 > 0) addProducts(to, kFixed / d2, 1, mine.fabric);
         },
         [] { return false; });
-    for (const Found& f : found) {
-        result.sums.smallestGap = std::min(result.sums.smallestGap, f.smallest);
-        for (std::size_t k = 0; k < f.fabric.size(); ++k)
-            result.sums.fabric[k] += static_cast<std::uint64_t>(f.fabric[k]);
-    }
+    for (const ContactSums& sums : found) result.sums.add(sums);
     result.partners.resize(own);
     result.component.resize(spheres.size());
     forAll(spheres.size(), [&](std::size_t i) {
@@ -157,9 +197,6 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
 template <int Dim>
 void ContactSums::add(const std::vector<Sphere<Dim>>& added, double tolerance,
                       const std::vector<float>& depth, std::vector<std::int32_t>& counts) {
-    if (!depth.empty() && depth.size() != added.size())
-        throw ParameterError(fmt::format("contacts: {} depths for {} {}; give one each or none",
-                                         depth.size(), added.size(), Measure<Dim>::kSpheres));
     PerThread<ContactSums> tallies;
     parallelFor(IndexRange(0, added.size(), 4096), [&](const IndexRange& block) {
         ContactSums& tally = tallies.local();
@@ -187,6 +224,8 @@ void ContactSums::add(const ContactSums& other) {
     wallContacts += other.wallContacts;
     few += other.few;
     for (std::size_t k = 0; k < fabric.size(); ++k) fabric[k] += other.fabric[k];
+    for (std::size_t k = 0; k < stiffness.size(); ++k) stiffness[k] += other.stiffness[k];
+    deepContacts += other.deepContacts;
     histogram.resize(std::max(histogram.size(), other.histogram.size()));
     for (std::size_t k = 0; k < other.histogram.size(); ++k) histogram[k] += other.histogram[k];
     smallestGap = std::min(smallestGap, other.smallestGap);
@@ -195,17 +234,10 @@ void ContactSums::add(const ContactSums& other) {
 ContactNetwork networkOf(const ContactSums& sums, int dim) {
     ContactNetwork result;
     result.smallestGap = sums.smallestGap;
-    std::size_t k = 0;
-    double trace = 0;
-    for (int p = 0; p < dim; ++p)
-        for (int q = p; q < dim; ++q, ++k) {
-            const auto value = static_cast<double>(static_cast<std::int64_t>(sums.fabric[k]));
-            result.fabric[static_cast<std::size_t>(p)][q] = value;
-            result.fabric[static_cast<std::size_t>(q)][p] = value;
-            if (p == q) trace += value;
-        }
-    if (trace > 0)
-        for (auto& row : result.fabric) row *= 1 / trace;
+    if (dim == 2)
+        addAnisotropy<2>(sums, result);
+    else
+        addAnisotropy<3>(sums, result);
     result.few = dim + 1;
     result.histogram = sums.histogram;
     result.wallContacts = sums.wallContacts;
@@ -224,10 +256,10 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
     PartContacts all;
     if (cell.any()) {
         const auto repeated = withPartners(spheres, tolerance, cell);
-        all = contactsOfPart(repeated.spheres, repeated.own, tolerance, &repeated.source);
+        all = contactsOfPart(repeated.spheres, repeated.own, tolerance, depth, &repeated.source);
         all.component.resize(repeated.own);
     } else {
-        all = contactsOfPart(spheres, spheres.size(), tolerance);
+        all = contactsOfPart(spheres, spheres.size(), tolerance, depth);
     }
     all.sums.add(spheres, tolerance, depth, all.partners);
     ContactCheck result;
@@ -316,6 +348,7 @@ std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::
     template std::optional<double> smallestGap<Dim>(const std::vector<Sphere<Dim>>&, std::size_t, \
                                                     const PeriodicCell<Dim>&);                    \
     template PartContacts contactsOfPart(const std::vector<Sphere<Dim>>&, std::size_t, double,    \
+                                         const std::vector<float>&,                               \
                                          const std::vector<std::uint32_t>*);                      \
     template void ContactSums::add(const std::vector<Sphere<Dim>>&, double,                       \
                                    const std::vector<float>&, std::vector<std::int32_t>&);        \

@@ -29,6 +29,14 @@ struct ContactNetwork {
     /// Mean of n n^T over the touching pairs, n the unit vector from one center to the other
     /// (2D: in the upper left): trace 1; 0 without pairs. Oda (1982), second-order fabric tensor.
     std::array<Vec<3>, 3> fabric{};
+    /// Largest / smallest Young's modulus over all directions, if each contact were a spring along
+    /// n and all centers moved as one strain has it: of the contacts of spheres that lie deeper
+    /// than three of their radii, one of two such spheres counting twice. 0: `deepContacts` are
+    /// fewer than 1000, or do not resist every strain. Source: affine estimate of Digby (1981),
+    /// J. Appl. Mech. 48; Walton (1987), J. Mech. Phys. Solids 35; here without tangential springs.
+    double modulusRatio = 0;
+    Vec<3> stiffest{};               ///< direction of the largest modulus, of length one
+    std::uint64_t deepContacts = 0;  ///< contacts that count for these
     /// Share of the spheres in the largest connected component; 0 if empty.
     double largestComponent = 0;
     std::uint64_t components = 0;  ///< connected components, single spheres included
@@ -61,11 +69,15 @@ struct ContactSums {
     std::uint64_t wallContacts = 0;         ///< spheres that touch the wall
     std::uint64_t few = 0;                  ///< spheres with fewer contacts than hold them in place
     std::array<std::uint64_t, 6> fabric{};  ///< fixed-point sum of n n^T, modulo 2^64
-    std::vector<std::uint64_t> histogram;   ///< spheres with 0, 1, 2, ... contacts
+    /// The same of m m^T, m the `mandelDyad` of n, over the contacts of deep spheres.
+    std::array<std::uint64_t, 21> stiffness{};
+    std::uint64_t deepContacts = 0;
+    std::vector<std::uint64_t> histogram;  ///< spheres with 0, 1, 2, ... contacts
     double smallestGap = std::numeric_limits<double>::infinity();  ///< mm
 
     void add(const ContactSums& other);
     /// Adds spheres, all but the pairs that they form.
+    /// @param depth   of each, or empty.
     /// @param counts  touching spheres of each; becomes touching spheres and walls.
     template <int Dim>
     void add(const std::vector<Sphere<Dim>>& spheres, double tolerance,
@@ -74,7 +86,7 @@ struct ContactSums {
 
 /// The pairs that touch in a part of a pack.
 struct PartContacts {
-    ContactSums sums;                    ///< `fabric` and `smallestGap` alone
+    ContactSums sums;                    ///< of pairs alone: `fabric` to `smallestGap`
     std::vector<std::int32_t> partners;  ///< touching spheres of each own sphere
     /// Of each sphere: an index into the spheres, the same for those that contacts connect.
     std::vector<std::uint32_t> component;
@@ -82,11 +94,13 @@ struct PartContacts {
 
 /// Finds the contacts of the first `own` spheres. The others are those of other parts that they
 /// may touch; a pair of two parts adds to the sums of one of them.
+/// @param depth   distance of each own center to the wall, mm; empty: there is none.
 /// @param source  where the others are images of own spheres: of which (`SpheresWithImages`);
 ///                null: they are not. The two images of a pair add to the sums once.
 template <int Dim>
 PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t own,
-                            double tolerance, const std::vector<std::uint32_t>* source = nullptr);
+                            double tolerance, const std::vector<float>& depth = {},
+                            const std::vector<std::uint32_t>* source = nullptr);
 
 /// The network of all parts, without its components.
 ContactNetwork networkOf(const ContactSums& sums, int dim);

@@ -19,8 +19,8 @@ std::size_t divisorOf(std::size_t n) {
 template <int Dim>
 SpaceShares<Dim>::SpaceShares(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
                               const std::vector<std::int64_t>& rows, const Near& near,
-                              std::uint64_t perPart)
-    : ranks_(ranks), spheres_(spheres), rows_(rows), near_(near) {
+                              const std::vector<float>* depth, std::uint64_t perPart)
+    : ranks_(ranks), spheres_(spheres), rows_(rows), depth_(depth), near_(near) {
     for (const Sphere<Dim>& s : spheres) {
         bounds_.add(s.center);
         largest_ = std::max(largest_, s.radius);
@@ -71,7 +71,8 @@ void SpaceShares<Dim>::send(std::size_t round, std::size_t i, const Vec<Dim>& sh
         for (std::size_t y = first[1]; y <= last[1]; ++y) {
             const std::size_t to = z * cells_[1] + y;
             const bool isHome = isOwn && y == at[1] && z == at[2];
-            (isHome ? own : near)[to].push_back({image, rows_[i], shared});
+            (isHome ? own : near)[to].push_back(
+                {image, rows_[i], shared, depth_ ? (*depth_)[i] : 0});
             if (isHome) sent_[to].push_back(i);
         }
 }
@@ -108,6 +109,8 @@ auto SpaceShares<Dim>::part(std::size_t round) -> Part {
     for (const auto& list : exchanged(ranks_, std::move(own))) {
         append(list);
         received_.push_back(list.size());
+        for (const Sent& sent : list)
+            if (depth_) part.depth.push_back(sent.depth);
     }
     part.own = part.spheres.size();
     for (const auto& list : exchanged(ranks_, std::move(near))) append(list);

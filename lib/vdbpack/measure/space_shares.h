@@ -27,6 +27,7 @@ public:
         std::vector<Sphere<Dim>> spheres;  ///< these, and those of other parts near them
         std::vector<std::int64_t> rows;    ///< of each sphere
         std::vector<std::uint8_t> shared;  ///< of each: 1 if several parts have it
+        std::vector<float> depth;          ///< of each own sphere, if depths were given
     };
 
     /// Which spheres are near to which.
@@ -39,11 +40,12 @@ public:
     };
 
     /// @param spheres  of this rank. @param rows  a number that goes with each.
+    /// @param depth    of each sphere, mm; null: parts have none.
     /// @param perPart  own spheres of a part, about: 40 bytes each while they are sent, and as much
     ///                 again for their measures.
     SpaceShares(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
                 const std::vector<std::int64_t>& rows, const Near& near,
-                std::uint64_t perPart = 250'000);
+                const std::vector<float>* depth = nullptr, std::uint64_t perPart = 250'000);
 
     std::size_t rounds() const { return rounds_; }
     Part part(std::size_t round);
@@ -55,7 +57,8 @@ private:
     struct Sent {
         Sphere<Dim> sphere;
         std::int64_t row;
-        std::uint64_t shared;
+        std::uint32_t shared;
+        float depth;
     };
 
     using Lists = std::vector<std::vector<Sent>>;  // to each rank
@@ -69,6 +72,7 @@ private:
     Ranks& ranks_;
     const std::vector<Sphere<Dim>>& spheres_;
     const std::vector<std::int64_t>& rows_;
+    const std::vector<float>* depth_;
     Near near_;
     double largest_ = 0;  // radius
     Box<Dim> bounds_;     // of the centers

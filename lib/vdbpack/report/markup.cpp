@@ -131,9 +131,12 @@ constexpr Heading kHeadings[] = {
      "wall: the same for spheres near the wall."},
     {"solidFraction", "Solid fraction", "Solid fraction",
      "Of the whole domain, and of the part deeper than three largest radii."},
+    {"massOffset", "Center of mass", "Center of mass",
+     "Of the spheres, from the centroid of the domain, mm; share: of the domain's longest side."},
     {"contacts", "Contacts", "Contacts",
      "Pairs whose gap is at most the tolerance times the smaller radius. The fabric tensor is the "
-     "mean of n nᵀ over them."},
+     "mean of n nᵀ over them; modulus: the largest Young's modulus of all directions divided by "
+     "the smallest, an affine estimate from the contacts of spheres deeper than three radii."},
     {"overlap", "Overlap", "Overlap",
      "As a share of the smaller radius; pairs above 1e-6 are counted."},
     {"gap", "Gap", "Gap", "Requested and smallest distance between surfaces, mm."},

@@ -167,6 +167,7 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
         const double interior = 3 * report.radius.max;
         if (interior <= domain->fieldDepth() && goesOn())
             report.solidFractionInterior = interiorFraction(pack.spheres, *domain, interior);
+        if (goesOn()) measureMassOffset(pack.spheres, *domain, report);
         // Without walls there is no depth.
         if (!pack.cell.all() && goesOn())
             pack.depth = source->depths(pack.spheres, *domain, distances);
@@ -182,6 +183,14 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     else if (report.requestedGap > 0 || goesOn())
         report.smallestGap = smallestGap(pack.spheres, report.existing, pack.cell);
     if (contacts) pack.contacts = std::move(contacts->counts);
+}
+
+template <int Dim>
+void measureMassOffset(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
+                       Report& report, Ranks* ranks) {
+    const bool removed = report.voids && (report.voids->culled > 0 || report.voids->reachedShare);
+    if (!removed && report.protrusion->centersOutside == 0)
+        report.massOffset = massOffset(spheres, domain, ranks);
 }
 
 template <int Dim>
@@ -326,6 +335,9 @@ template PageDetails pageDetails<3>(const Pack<3>&, std::size_t, const DomainSou
 
 template RadiusHistogram radiiOf(const Pack<2>&, std::size_t, const SizeDistribution*, Ranks*);
 template RadiusHistogram radiiOf(const Pack<3>&, std::size_t, const SizeDistribution*, Ranks*);
+
+template void measureMassOffset(const std::vector<Sphere<2>>&, const Domain<2>&, Report&, Ranks*);
+template void measureMassOffset(const std::vector<Sphere<3>>&, const Domain<3>&, Report&, Ranks*);
 
 template void warnOfUnion(const std::string&, const Pack<2>&, const Report&, const Callbacks&);
 template void warnOfUnion(const std::string&, const Pack<3>&, const Report&, const Callbacks&);

@@ -26,6 +26,13 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
                  const SizeDistribution* sizes, double contactTolerance, Report& report,
                  const Callbacks& callbacks = {}, const LocalSizes* local = nullptr);
 
+/// Sets `report.massOffset` where the spheres fill the domain: no center lies outside, and voids
+/// have removed none. A part of `measurePack`, after `report.protrusion`.
+/// @param ranks  of whose spheres these are a share; null: they are all.
+template <int Dim>
+void measureMassOffset(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
+                       Report& report, Ranks* ranks = nullptr);
+
 /// Warns that solid fractions count overlaps twice, and by how much.
 template <int Dim>
 void warnOfUnion(const std::string& file, const Pack<Dim>& pack, const Report& report,

@@ -3,6 +3,7 @@
 
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/measure/contacts.h"
+#include "vdbpack/measure/mass_offset.h"
 #include "vdbpack/verify/verify.h"
 #include "vdbpack/voids/void_report.h"
 
@@ -72,6 +73,7 @@ struct Report {
 
     std::optional<double> solidFractionTotal;
     std::optional<double> solidFractionInterior;
+    std::optional<MassOffset> massOffset;  ///< nothing where the pack fills a part of the domain
 
     double contactTolerance = 1e-3;          ///< of the smaller radius
     std::optional<ContactNetwork> contacts;  ///< nothing without spheres

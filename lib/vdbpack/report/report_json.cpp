@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <type_traits>
+#include <vector>
 
 namespace vdbpack {
 
@@ -31,6 +32,12 @@ Json contactsJson(const Report& r) {
     json["few"] = {{"below", c.few}, {"share", c.fewShare}};
     json["components"] = c.components;
     json["largestComponent"] = c.largestComponent;
+    json["modulus"] = nullptr;
+    if (c.modulusRatio > 0)
+        json["modulus"] = {
+            {"ratio", c.modulusRatio},
+            {"direction", std::vector<double>(c.stiffest.c.begin(), c.stiffest.c.begin() + r.dim)},
+            {"deepContacts", c.deepContacts}};
     const auto fabric = [&](auto dim) {
         constexpr int Dim = decltype(dim)::value;
         Matrix<Dim> m;
@@ -48,6 +55,14 @@ Json contactsJson(const Report& r) {
     else
         fabric(std::integral_constant<int, 3>());
     return json;
+}
+
+Json massOffsetJson(const Report& r) {
+    if (!r.massOffset) return {};
+    Json axes = Json::array();
+    for (std::size_t d = 0; d < static_cast<std::size_t>(r.dim); ++d)
+        axes.push_back(orNull(r.massOffset->axes[d]));
+    return {{"axes", axes}, {"length", r.massOffset->length}, {"share", r.massOffset->share}};
 }
 
 Json densifiedJson(const Report& r) {
@@ -159,6 +174,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["spheres"] = spheresJson(r);
     json["solidFraction"] = {{"total", orNull(r.solidFractionTotal)},
                              {"interior", orNull(r.solidFractionInterior)}};
+    json["massOffset"] = massOffsetJson(r);
     json["contacts"] = contactsJson(r);
     json["overlap"] = {{"max", r.overlap ? Json(r.overlap->max) : Json()},
                        {"pairs", r.overlap ? Json(r.overlap->pairs) : Json()}};

@@ -5,6 +5,7 @@
 #include "vdbpack/report/words.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstddef>
 #include <sstream>
@@ -77,6 +78,10 @@ void addSpheres(Summary& out, const Report& r, const DimensionWords& words) {
     if (r.solidFractionInterior)
         solid += fmt::format(", {:.4f} deeper than three largest radii", *r.solidFractionInterior);
     out.line("solid", solid);
+    if (r.massOffset)
+        out.line("",
+                 fmt::format("center of mass {:.3g} mm ({:.2g} % of the length) off the domain's",
+                             r.massOffset->length, 100 * r.massOffset->share));
 }
 
 /// The direction along which more contacts point than elsewhere, if any.
@@ -88,12 +93,10 @@ void addFabric(Summary& out, const ContactNetwork& c) {
         for (std::size_t j = 0; j < Dim; ++j) fabric[i].c[j] = c.fabric[i].c[j];
     const auto eigen = eigenSystem<Dim>(fabric);
     if (!(eigen.values[0] > 1.0 / Dim + kDirected)) return;
-    std::string axis;
-    for (const double x : eigen.vectors[0].c)
-        axis += fmt::format("{}{:.2g}", axis.empty() ? "" : ", ", x);
-    out.line("", fmt::format("more contacts along ({}): {:.3f} of the fabric tensor (isotropic: "
-                             "{:.3f})",
-                             axis, eigen.values[0], 1.0 / Dim));
+    out.line("",
+             fmt::format("more contacts along ({:.2g}): {:.3f} of the fabric tensor (isotropic: "
+                         "{:.3f})",
+                         fmt::join(eigen.vectors[0].c, ", "), eigen.values[0], 1.0 / Dim));
 }
 
 void addContacts(Summary& out, const Report& r, const DimensionWords& words) {
@@ -114,6 +117,11 @@ void addContacts(Summary& out, const Report& r, const DimensionWords& words) {
         addFabric<2>(out, c);
     else
         addFabric<3>(out, c);
+    if (c.modulusRatio > 0)
+        out.line("",
+                 fmt::format("estimated modulus along ({:.2g}) {:.2f} times the smallest",
+                             fmt::join(c.stiffest.c.begin(), c.stiffest.c.begin() + r.dim, ", "),
+                             c.modulusRatio));
 }
 
 void addParts(Summary& out, const Report& r) {
