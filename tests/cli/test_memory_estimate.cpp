@@ -115,13 +115,13 @@ TEST_CASE("a clip leaves the volume that is reported") {
     writeObj(ballMesh(12, 4), folder.file("b.obj"));
     DomainRecipe recipe;
     recipe.source = folder.file("b.obj");
-    const double whole = DomainSource(recipe).clippedVolume();
+    const double whole = DomainSource(recipe).leftVolume();
     recipe.clips = {parseClip("plane:1,0,0,0")};
-    CHECK(DomainSource(recipe).clippedVolume() == Approx(whole / 2).epsilon(0.02));
+    CHECK(DomainSource(recipe).leftVolume() == Approx(whole / 2).epsilon(0.02));
     recipe.clips = {parseClip("plane:1,1,0,0"), parseClip("plane:0,0,-1,0")};
-    CHECK(DomainSource(recipe).clippedVolume() == Approx(whole / 4).epsilon(0.04));
+    CHECK(DomainSource(recipe).leftVolume() == Approx(whole / 4).epsilon(0.04));
     recipe.clips = {parseClip("plane:1,0,0,-50")};
-    CHECK(DomainSource(recipe).clippedVolume() == 0);
+    CHECK(DomainSource(recipe).leftVolume() == 0);
 }
 
 TEST_CASE("a request beyond all memory is refused at once with its parts") {

@@ -4,12 +4,14 @@
 #include "support/test.h"
 #include "support/tool.h"
 
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/image/image_surface.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
+#include "vdbpack/preview/preview.h"
 
 #include <fmt/format.h>
 
@@ -308,4 +310,59 @@ TEST_CASE("names in the file of a mesh, or its components, are packed and verifi
     PackRecipe one = meshPart(folder.file("one.stl"), {{{0, 0, 0}}, {{9, 9, 9}}}, "");
     one.domain.partsBy = PartsBy::group;
     CHECK_THAT(messageOf<InputError>([&] { runPack(one); }), Contains("has 0 parts"));
+}
+
+TEST_CASE("a target count holds for all parts together, also where clips and parts cut them") {
+    const TemporaryFolder folder;
+    PackRecipe recipe;
+    recipe.parts = {
+        meshPart(folder.file("bone.stl"), {{{0, 0, 0}}, {{20, 20, 20}}}, "bone"),
+        meshPart(folder.file("stem.stl"), {{{8, 8, 4}}, {{12, 12, 30}}}, "stem"),
+        meshPart(folder.file("sheet.stl"), {{{30, 0, 0}}, {{31.5, 20, 20}}}, "sheet"),
+    };
+    recipe.parts[0].domain.clips = {parseClip("plane:0,0,1,10")};
+    for (PackRecipe& part : recipe.parts) part.radius = {};
+    recipe.targetCount = 3000;
+    for (PackRecipe& part : recipe.parts) part.targetCount = 3000;
+    recipe.outputs = {folder.file("surface.stl")};
+    const RunResult run = runPack(recipe);
+    CHECK(run.passed);
+    CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.02));
+    CHECK(run.report.warnings.empty());
+    // The stem takes 4 * 4 * 6 of 20 * 20 * 10.
+    const std::string told = "bone: ";
+    double share = 0;
+    for (const std::string& text : run.report.chosen)
+        if (text.find("of its volume left") != std::string::npos)
+            share = std::stod(text.substr(told.size()));
+    CHECK(share == Approx(2.4).epsilon(0.1));
+    // A file holds the walls of all parts.
+    CHECK(readMesh(folder.file("surface.stl")).bounds().hi[0] == Approx(31.5));
+
+    recipe.parts.resize(2);
+    for (PackRecipe& part : recipe.parts) part.targetCount = 101;
+    recipe.targetCount = 101;
+    const RunResult few = runPack(recipe);
+    const bool warned =
+        std::any_of(few.report.warnings.begin(), few.report.warnings.end(),
+                    [](const std::string& text) { return text.find("`targetCount` 101") == 0; });
+    CHECK((warned || std::fabs(static_cast<double>(few.report.count) - 101) < 2.02));
+}
+
+TEST_CASE("a picture of parts shows what clips leave of them") {
+    if (!canDrawSpace()) return;
+    const TemporaryFolder folder;
+    const auto pictured = [&](double height) {
+        PackRecipe recipe;
+        recipe.parts = {
+            meshPart(folder.file("bone.stl"), {{{0, 0, 0}}, {{20, 20, height}}}, "bone"),
+            meshPart(folder.file("stem.stl"), {{{8, 8, 4}}, {{12, 12, 15}}}, "stem"),
+        };
+        recipe.parts[0].domain.clips = {parseClip("plane:0,0,1,10")};
+        recipe.preview.file = folder.file("p.png");
+        recipe.preview.width = recipe.preview.height = 160;
+        return static_cast<double>(runPack(recipe).picture.png.size());
+    };
+    // A bone of 300 mm in the frame would leave few pixels to the spheres.
+    CHECK(pictured(300) == Approx(pictured(20)).epsilon(0.1));
 }

@@ -255,9 +255,9 @@ double FieldPlan::voxels() const {
            (voxelSize * voxelSize);
 }
 
-double DomainSource::clippedVolume() const {
-    if (!mesh_) return 0;
-    if (clips_.empty()) return fileVolume();
+double DomainSource::leftVolume(bool byParts) const {
+    if (!mesh_) return volume();
+    if (clips_.empty() && (outsides_.empty() || !byParts)) return fileVolume();
     // Clips along the axes, which most are, narrow the box that is looked at.
     Box<3> box = fileBounds_;
     for (const HalfSpace<3>& h : clips_)
@@ -271,13 +271,19 @@ double DomainSource::clippedVolume() const {
         }
     if (box.empty()) return 0;
     const MeshSides sides(*mesh_, false);
+    std::vector<MeshSides> around;
+    if (byParts)
+        for (const auto& outside : outsides_) around.emplace_back(*outside->mesh_, false);
     std::size_t inside = 0;
     for (std::size_t n = 0; n < kVolumePoints; ++n) {
         const Vec<3> x = weylPoint(n, box);
         const bool kept = std::all_of(clips_.begin(), clips_.end(), [&](const HalfSpace<3>& h) {
             return dot(h.normal, x) <= h.offset;
         });
-        if (kept && sides.inside(x)) ++inside;
+        if (kept && sides.inside(x) &&
+            std::all_of(around.begin(), around.end(),
+                        [&](const MeshSides& outside) { return outside.inside(x); }))
+            ++inside;
     }
     return box.volume() * static_cast<double>(inside) / static_cast<double>(kVolumePoints);
 }

@@ -67,10 +67,11 @@ public:
     /// Leaves the inside of another file's mesh to that one: from now on the domain is what it
     /// leaves. @throws ParameterError if either is no file without clips and slices
     void cutBy(const DomainSource& other);
-    bool isCut() const { return !outsides_.empty(); }  ///< by `cutBy`
+    /// Whether neither clips nor `cutBy` take anything from a file or shape.
+    bool isWhole() const { return clips_.empty() && outsides_.empty(); }
 
     int dim() const;        ///< 2 for rect, disc and slices
-    double volume() const;  ///< estimate before the field is made, mm^dim
+    double volume() const;  ///< of a whole file or of a shape, mm^dim
     bool isFile() const { return mesh_.has_value(); }
     bool hasCavities() const;  ///< closed components of the surface inside others
     const std::optional<TriangleMesh>& mesh() const { return mesh_; }
@@ -101,9 +102,10 @@ public:
 
     /// The field that `build` would make.
     FieldPlan plan(double minRadius, double maxRadius, double voxelSize = 0) const;
-    /// About the volume of what clips leave of a file (not of shapes, nor slices), by points spread
-    /// over it, mm³.
-    double clippedVolume() const;
+    /// The volume of a shape, or about what clips leave of a file (not of its slice), by points
+    /// spread over it, mm³.
+    /// @param byParts  whether `cutBy` takes its share, too.
+    double leftVolume(bool byParts = true) const;
 
     /// How far spheres protrude from the domain's wall itself (triangles or formula), checked
     /// by code that is not used for the field.

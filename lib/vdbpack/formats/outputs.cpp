@@ -107,12 +107,14 @@ void writePackAndSurface(const std::string& output, const RunOutputs<Dim>& have)
 template <int Dim>
 void writeContour(const OutputTarget& target, const RunOutputs<Dim>& have) {
     const auto levelSets = levelSetsOf(have);
-    const VdbGrid& levelSet = chosenLevelSet(target.text, target.grid, levelSets);
-    const bool wall = have.wall != nullptr && levelSetName(levelSet) == kSurface;
+    const bool cut = std::any_of(levelSets.begin(), levelSets.end(), [](const auto& set) {
+        return set && levelSetName(*set) == kSolid;
+    });
+    const bool wall = have.wall && (target.grid == kSurface || (target.grid.empty() && !cut));
     // Spheres that touch the wall lie within the wall of the file.
-    writeStl(
-        wall ? roundedOutward(*have.wall, have.options.unit) : levelSetMesh(levelSet, target.text),
-        target.file, have.options.unit, have.options.generator);
+    writeStl(wall ? roundedOutward(*have.wall, have.options.unit)
+                  : levelSetMesh(chosenLevelSet(target.text, target.grid, levelSets), target.text),
+             target.file, have.options.unit, have.options.generator);
 }
 
 /// Ids of a .ply have 32 bits; where one does not fit, the file has none.

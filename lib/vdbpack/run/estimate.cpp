@@ -286,7 +286,7 @@ Extent extentOf(const DomainSource& source, double detail, double reach, double 
         e.volume = size[0] * size[1];
         e.area = 2 * (size[0] + size[1]);
     } else {
-        e.volume = source.clippedVolume();
+        e.volume = source.leftVolume();
         e.area = e.field.area;
     }
     return e;

@@ -143,7 +143,8 @@ PagePicture drawn(Run<Dim>& run) {
     const bool missing = run.report.interrupted || (run.hasPack && run.pack.spheres.empty());
     if (run.ranks() || missing || (file.empty() && !isPage(settings.reportFile))) return {};
     run.callbacks.report("write", 0, 0);
-    const TriangleMesh* wall = joinedWall(run);
+    const TriangleMesh* wall =
+        run.parts.drawn.triangles.empty() ? joinedWall(run) : &run.parts.drawn;
     try {
         PagePicture picture =
             drawPreview(settings.preview, settings.reportFile, *run.source, run.built,

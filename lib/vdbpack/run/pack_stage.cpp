@@ -273,7 +273,9 @@ RunPtr<Dim> packMeasured(const PackRecipe& recipe, const SourcePtr& source,
     RunPtr<Dim> run = packToKeep(recipe, source, prepared, begun, clock, callbacks, options);
     measureStage(*run);
     if (recipe.packing.maxCount == 0) {
-        warnOfCount(*run, prepared.requested.targetCount);
+        const Report& report = run->report;
+        warnOfCount(*run, prepared.requested.targetCount,
+                    static_cast<double>(report.count - report.existing));
         warnOfFewSpheres(*run, options.local.largest(options.sizes));
     }
     return run;

@@ -92,8 +92,7 @@ void warnOfThinSolid(const Run<Dim>& run) {
 }
 
 template <int Dim>
-void warnOfCount(const Run<Dim>& run, double target) {
-    const auto count = static_cast<double>(run.report.count - run.report.existing);
+void warnOfCount(const Run<Dim>& run, double target, double count) {
     if (!(target > 0) || run.report.interrupted ||
         std::fabs(count - target) <= std::max(kCountTolerance * target, 0.5))
         return;
@@ -134,12 +133,12 @@ void requireSpheresLeft(const Run<Dim>& run, std::uint64_t before) {
         bvtv ? fmt::format(" and leave a BV/TV of {:.4f}", *bvtv) : std::string()));
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                  \
-    template void warnOfLooseSpheres<Dim>(const Run<Dim>&);       \
-    template void warnOfFewSpheres<Dim>(const Run<Dim>&, double); \
-    template void warnOfThinSolid<Dim>(const Run<Dim>&);          \
-    template void warnOfCount<Dim>(const Run<Dim>&, double);      \
-    template void warnOfSmallVoids<Dim>(const Run<Dim>&);         \
+#define VDBPACK_INSTANTIATE(Dim)                                     \
+    template void warnOfLooseSpheres<Dim>(const Run<Dim>&);          \
+    template void warnOfFewSpheres<Dim>(const Run<Dim>&, double);    \
+    template void warnOfThinSolid<Dim>(const Run<Dim>&);             \
+    template void warnOfCount<Dim>(const Run<Dim>&, double, double); \
+    template void warnOfSmallVoids<Dim>(const Run<Dim>&);            \
     template void requireSpheresLeft<Dim>(const Run<Dim>&, std::uint64_t);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

@@ -1,11 +1,13 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/label_domains.h"
 #include "vdbpack/domain/mesh_parts.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/run_parts.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -29,6 +31,13 @@ void checkPartsRecipe(const PackRecipe& recipe) {
     refuse(recipe.domain.slice.has_value(), "`slice`");
     refuse(recipe.ranks != nullptr, "mpirun");
     refuse(isPage(recipe.reportFile), "a report page (a .json is written)");
+    const bool cut = std::any_of(recipe.parts.begin(), recipe.parts.end(),
+                                 [](const auto& part) { return part.voids.makesVoids(); });
+    for (const OutputTarget& output : recipe.outputs)
+        refuse(output.kind == OutputKind::fog ||
+                   (output.kind == OutputKind::contour && output.grid != kSurface &&
+                    (cut || recipe.voids.makesVoids() || !output.grid.empty())),
+               output.text.c_str());
     for (const PackRecipe& part : recipe.parts) {
         const GreyRecipe &own = part.grey, &all = recipe.grey;
         const bool others = (!own.samples.empty() && own.samples != all.samples) ||

@@ -7,6 +7,7 @@
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/made_mesh.h"
+#include "vdbpack/preview/drawn_wall.h"
 #include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/verify/overlap.h"
@@ -22,13 +23,15 @@ namespace vdbpack {
 
 namespace {
 
-/// Gives the parts that share the sizes of the whole run the radii that one of them was given.
+/// Gives the parts that share the sizes of the whole run the radii that one of them was given, and
+/// scales these for another round if by far not as many spheres were packed as requested.
 class SharedRadii {
 public:
     SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts.size()) {
         const double target = recipe.targetCount > 0  ? recipe.targetCount
                               : recipe.radius.empty() ? kDefaultCount
                                                       : 0;
+        for (const Part& part : parts) shells_.push_back(part.recipe.shellRadius);
         if (!(target > 0)) return;
         double volume = 0, largest = 0;
         for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -36,16 +39,20 @@ public:
             shared_[k] = part.radius.spec() == recipe.radius.spec() &&
                          part.weightBy == recipe.weightBy && part.targetCount == recipe.targetCount;
             if (!shared_[k]) continue;
-            const double own = parts[k].source->volume();
+            const double own = parts[k].source->leftVolume();
             volume += own;
             if (own <= largest) continue;
             largest = own;
             first_ = k;
         }
         if (!(largest > 0)) return;
+        target_ = target;
         PackRecipe& first = parts[first_].recipe;
         first.targetCount = std::max(1.0, std::round(target * largest / volume));
+        asked_ = requestedSizes(first, 3).sizes.mean();
     }
+    /// Of the spheres of the parts that share radii; 0: none is requested.
+    double target() const { return target_; }
     /// The order in which parts are packed.
     std::vector<std::size_t> order() const {
         std::vector<std::size_t> all(shared_.size());
@@ -57,18 +64,35 @@ public:
     }
     /// Called before each part is packed, in that order.
     void prepare(PackRecipe& part, std::size_t k) const {
-        if (!shared_[k] || k == first_ || found_.empty()) return;
-        part.radius = found_;
+        if (!shared_[k] || !found_) return;
+        part.radius = *found_;
         part.targetCount = 0;
+        part.shellRadius = shells_[k].scaled(found_->mean() / asked_);
     }
     void take(const SizeDistribution& sizes, std::size_t k) {
         if (shared_[k] && k == first_) found_ = sizes;
     }
+    /// Spheres of the parts that share radii.
+    double count(const std::vector<std::unique_ptr<Run<3>>>& runs) const {
+        double sum = 0;
+        for (std::size_t k = 0; k < runs.size(); ++k)
+            if (shared_[k] && runs[k]) sum += static_cast<double>(runs[k]->report.count);
+        return sum;
+    }
+    /// For the next round, after one that has left `count` spheres.
+    void scaleFor(double count) { found_ = found_->scaled(std::cbrt(count / target_)).rounded(); }
+    /// What was chosen after the first round.
+    std::string chosen() const {
+        return fmt::format("radii {} mm, so that about {:.0f} {} are in all parts", found_->spec(),
+                           target_, Measure<3>::kSpheres);
+    }
 
 private:
     std::vector<std::uint8_t> shared_;
+    std::vector<SizeRequest> shells_;  ///< as requested
     std::size_t first_ = 0;
-    SizeRequest found_;
+    double target_ = 0, asked_ = 1;  ///< asked_: mean radius as requested, mm
+    std::optional<SizeDistribution> found_;
 };
 
 /// The packs of all parts.
@@ -76,18 +100,25 @@ struct PackedParts {
     std::vector<std::unique_ptr<Run<3>>> runs;  ///< null: interrupted before
     bool interrupted = false;
     double measuring = 0;  ///< seconds
-    Clock clock;
+    double searching = 0;  ///< seconds of rounds that are not kept
+    std::string chosen;    ///< radii of a later round
+    Clock clock{};
 };
 
 PackedParts packInTurn(SharedRadii& radii, Parts& parts, const Report& begun, const Clock& clock,
                        const Callbacks& callbacks) {
-    PackedParts packed{std::vector<std::unique_ptr<Run<3>>>(parts.size()), false, 0, clock};
+    PackedParts packed;
+    packed.runs.resize(parts.size());
+    packed.clock = clock;
     for (const std::size_t k : radii.order()) {
         if (packed.interrupted) break;
         PackRecipe& recipe = parts[k].recipe;
         radii.prepare(recipe, k);
         Callbacks own = callbacks;
-        own.warning = [&](const std::string& text) { callbacks.warn(recipe.name + ": " + text); };
+        // Where radii are sought, only the round that is kept warns.
+        own.warning = [&](const std::string& text) {
+            if (!(radii.target() > 0)) callbacks.warn(recipe.name + ": " + text);
+        };
         try {
             packed.runs[k] = packPart(recipe, parts[k].source, begun, packed.clock, own);
         } catch (const Interrupted&) {
@@ -102,6 +133,52 @@ PackedParts packInTurn(SharedRadii& radii, Parts& parts, const Report& begun, co
         packed.interrupted = run.report.interrupted;
     }
     return packed;
+}
+
+/// Seconds of a round that is not kept.
+double secondsOf(const PackedParts& packed) {
+    double sum = packed.measuring + packed.searching;
+    for (const auto& run : packed.runs)
+        if (run) {
+            const Report::Seconds& s = run->report.seconds;
+            sum += s.domain + s.pack + s.densify + s.voids;
+        }
+    return sum;
+}
+
+/// All parts, again with scaled radii until about the target count is met.
+PackedParts packToTarget(SharedRadii& radii, Parts& parts, const Report& begun, const Clock& clock,
+                         const Callbacks& callbacks) {
+    constexpr int kMostRounds = 5;
+    constexpr double kNear = 0.018;
+    const double target = radii.target();
+    const auto miss = [&](const PackedParts& p) { return std::fabs(radii.count(p.runs) - target); };
+    PackedParts best = packInTurn(radii, parts, begun, clock, callbacks);
+    if (!(target > 0)) return best;
+    double count = radii.count(best.runs);
+    for (int round = 1; round < kMostRounds && count > 0 && !best.interrupted; ++round) {
+        if (miss(best) <= std::max(kNear * target, 0.5)) break;
+        radii.scaleFor(count);
+        try {
+            PackedParts next = packInTurn(radii, parts, begun, best.clock, callbacks);
+            best.clock = next.clock;
+            best.interrupted = next.interrupted;
+            if (next.interrupted) break;
+            count = radii.count(next.runs);
+            next.chosen = radii.chosen();
+            if (miss(next) < miss(best)) std::swap(best, next);
+            best.searching += secondsOf(next);
+        } catch (const Interrupted&) {
+            best.interrupted = true;
+        }
+    }
+    for (const std::size_t k : radii.order()) {
+        if (!best.runs[k]) continue;
+        const auto& warnings = best.runs[k]->report.warnings;
+        for (std::size_t w = begun.warnings.size(); w < warnings.size(); ++w)
+            callbacks.warn(parts[k].recipe.name + ": " + warnings[w]);
+    }
+    return best;
 }
 
 /// Puts the figures of all parts together in one report.
@@ -213,14 +290,16 @@ void joinParts(const Parts& parts, PackedParts& packed, std::size_t warnings, Ru
         const DomainSource& source = *parts[k].source;
         const std::string& name = parts[k].recipe.name;
         joined.add(run, parts[k].recipe, all.pack.spheres.size());
-        const double own = source.volume(), left = run.report.volume;
-        if (source.isCut() && left < 0.99 * own)
+        const double own = source.leftVolume(false), left = source.leftVolume();
+        if (left < 0.99 * own)
             all.report.chosen.push_back(fmt::format(
-                "{}: {:.3g} % of its volume left to later parts", name, 100 * (1 - left / own)));
+                "{}: {:.2g} % of its volume left to later parts", name, 100 * (1 - left / own)));
         appendPart(all.pack, std::move(run.pack), static_cast<std::int32_t>(k));
         step = std::min(step, run.facts.positionStep);
         addLevelSets(run, name, all.parts);
         if (const auto& mesh = source.mesh()) append(all.parts.walls, *mesh);
+        if (!all.settings.preview.file.empty())
+            append(all.parts.drawn, *WallMesh(source, run.built, nullptr).get());
         all.parts.sources.push_back(parts[k].source);
         all.parts.solids.push_back(solidOf(run));
     }
@@ -303,7 +382,7 @@ RunResult packParts(const PackRecipe& recipe, Parts parts, const Report& begun, 
     beginOn(sources, recipe, recipe.voids, first, callbacks);
     checkCut(recipe, sources);
     SharedRadii radii(recipe, parts);
-    PackedParts packed = packInTurn(radii, parts, begun, clock, callbacks);
+    PackedParts packed = packToTarget(radii, parts, begun, clock, callbacks);
     Run<3> all(recipe, parts.front().source, first, packed.clock, callbacks);
     all.keepsPack = true;
     joinParts(parts, packed, begun.warnings.size(), all);
@@ -311,6 +390,9 @@ RunResult packParts(const PackRecipe& recipe, Parts parts, const Report& begun, 
     all.built = packed.runs[radii.order().front()]->built;
     all.built.mesh = nullptr;
     all.report.seconds.measure = packed.measuring;
+    all.report.seconds.pack += packed.searching;
+    if (!packed.chosen.empty()) all.report.chosen.push_back(packed.chosen);
+    warnOfCount(all, radii.target(), radii.count(packed.runs));
     measureJoined(all);
     setProperties(parts, packed, all);
     RunResult result = finishStage(all);

@@ -60,9 +60,9 @@ void verifyParts(const Parts& parts, const std::string& file, Pack<3>& pack, Rep
         one.name = parts[k].recipe.name;
         one.source = describe(parts[k].recipe.domain);
         one.count = spheres.size();
-        // What other parts leave of a domain is known by its field alone.
-        one.volume = source.isCut() ? domain->volume() : source.volume();
-        one.area = source.plan(1, 1).area;
+        // What clips and other parts leave of a domain is known by its field alone.
+        one.volume = source.isWhole() ? source.volume() : domain->volume();
+        one.area = source.isWhole() ? source.plan(1, 1).area : domain->wallArea();
         one.solidFraction = ballShare(spheres, one.volume);
         one.protrusion = own.max;
         covered += one.solidFraction * one.volume;

@@ -82,7 +82,8 @@ struct JoinedParts {
     std::vector<std::shared_ptr<const DomainSource>> sources;  ///< empty: there is one domain
     std::vector<SolidTest> solids;                             ///< what is left of each
     std::vector<std::shared_ptr<const VdbGrid>> levelSets;
-    TriangleMesh walls;
+    TriangleMesh walls;  ///< all triangles of the files
+    TriangleMesh drawn;  ///< what clips leave of these, if a picture is drawn
     PartProperties properties;
 };
 
@@ -242,9 +243,9 @@ void warnOfThinSolid(const Run<Dim>& run);
 template <int Dim>
 void warnOfFewSpheres(const Run<Dim>& run, double largest);
 
-/// Warns if by far not `target` spheres are left of those that were packed.
+/// Warns if the `count` spheres that are left of those that were packed are by far not `target`.
 template <int Dim>
-void warnOfCount(const Run<Dim>& run, double target);
+void warnOfCount(const Run<Dim>& run, double target, double count);
 
 /// Warns if the spheres are larger than the voids that are cut into their pack: BV/TV belongs to
 /// the level set, which such a pack cannot show.
