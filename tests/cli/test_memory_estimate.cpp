@@ -6,6 +6,7 @@
 #include "support/test.h"
 #include "support/tool.h"
 
+#include "vdbpack/core/clock.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/io/numbers.h"
@@ -273,4 +274,38 @@ TEST_CASE("estimated memory is memory taken", "[.slow]") {
         // Where the first pack hits the target, no second one is held.
         CHECK(estimated < (line.find("--target") == std::string::npos ? 1.5 : 1.7) * taken);
     }
+}
+
+TEST_CASE("the voids of an estimate are about those of the run") {
+    for (const auto& [domain, method, shell] :
+         std::vector<std::tuple<std::string, std::string, double>>{{"box:12,12,12", "foam", 0},
+                                                                   {"box:20,20,20", "foam", 2},
+                                                                   {"box:20,20,20", "foam", 0},
+                                                                   {"ball:12", "boolean", 0},
+                                                                   {"ball:12", "boolean", 2}}) {
+        CAPTURE(domain, method, shell);
+        auto recipe = recipeFor(domain, "uniform:0.5,1");
+        setVoids(recipe.request, method, "", 0.4);
+        recipe.request.shell = shell;
+        const double expected =
+            planPack(settled(recipe), DomainSource(recipe.domain)).extent.voids.count;
+        CHECK(expected ==
+              Approx(static_cast<double>(runPack(recipe).report.voids->count)).epsilon(0.25));
+    }
+}
+
+TEST_CASE("an estimate of a clipped mesh ends before its field is made") {
+    const TemporaryFolder folder;
+    TriangleMesh open = ballMesh(30, 6);
+    open.triangles.pop_back();
+    writeObj(open, folder.file("b.obj"));
+    PackRecipe recipe = recipeFor(folder.file("b.obj"), "uniform:0.08,0.16");
+    recipe.domain.clips = {parseClip("plane:1,0,0,0")};
+    const Clock clock;
+    CHECK(dryRunPack(recipe).count > 1e6);
+    if (!kSanitized) CHECK(clock.total() < 5);
+    recipe.memoryLimit = 1e8;  // refused, so that a closer look is needless
+    const Clock refused;
+    dryRunPack(recipe);
+    if (!kSanitized) CHECK(refused.total() < 1);
 }

@@ -1,5 +1,7 @@
 #include "vdbpack/run/estimate.h"
 
+#include "vdbpack/core/clock.h"
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/formats/outputs.h"
@@ -85,6 +87,10 @@ VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
         v.left = std::max(0.0, 1 - share);
     }
     v.wall = v.count * surfaceArea(e.dim, a, b) * open;
+    // Voids reach into the domain, or beyond its shell, from outside.
+    const double reach = std::max(a, b) - shellRange(r).first;
+    if ((v.foam || boolean) && reach > 0)
+        v.count *= std::pow(1 + e.area * reach / (e.dim * e.volume), e.dim);
     v.voxelSize = plannedVoxel(r, e.dim);
     if (!(v.voxelSize > 0)) v.voxelSize = voidVoxelFor(r, 0.75 * std::min(a, b));
     return v;
@@ -266,6 +272,26 @@ double localBall(const PackRecipe& recipe, const RequestedSizes& requested,
     return LocalBalls<Dim>(domain, requested.sizes, local).mean();
 }
 
+/// Makes the domain for its volume and area, and for the mean volume of its spheres where sizes
+/// differ by place. What takes more than about a second is left as it was estimated.
+void lookCloser(PackPlan& plan, const PackRecipe& recipe, const DomainSource& source, double voxel,
+                double& ball) {
+    constexpr double kQuickSeconds = 0.8;
+    const Clock clock;
+    Callbacks timed;
+    timed.cancelled = [&] { return clock.total() > kQuickSeconds; };
+    try {
+        const auto built = source.build(plan.radii.detail, plan.radii.reach, timed, voxel);
+        plan.extent.volume = built.space ? built.space->volume() : built.plane->volume();
+        if (plan.requested.differByPlace())
+            ball = source.dim() == 3 ? localBall<3>(recipe, plan.requested, built)
+                                     : localBall<2>(recipe, plan.requested, built);
+        timed.stopIfCancelled();
+        plan.extent.area = built.space ? built.space->wallArea() : built.plane->wallArea();
+    } catch (const Interrupted&) {
+    }
+}
+
 }  // namespace
 
 Extent extentOf(const DomainSource& source, double detail, double reach, double voxelSize) {
@@ -338,14 +364,8 @@ PackPlan planPack(const PackRecipe& recipe, const DomainSource& source, bool clo
         e.labelVoxels = static_cast<double>(labels->voxels());
     const bool needed =
         requested.differByPlace() || recipe.domain.slice || !recipe.domain.clips.empty();
-    if (closer && needed && e.field.voxels() < kQuickVoxels) {
-        const auto built = source.build(radii.detail, radii.reach, {}, voxel);
-        e.volume = built.space ? built.space->volume() : built.plane->volume();
-        e.area = built.space ? built.space->wallArea() : built.plane->wallArea();
-        if (requested.differByPlace())
-            ball = dim == 3 ? localBall<3>(recipe, requested, built)
-                            : localBall<2>(recipe, requested, built);
-    }
+    if (closer && needed && e.field.voxels() < kQuickVoxels)
+        lookCloser(plan, recipe, source, voxel, ball);
     expectSpheres(plan, recipe, source, ball,
                   closer ? readExisting<3>(recipe, 0).spheres : std::vector<Sphere<3>>());
     return plan;

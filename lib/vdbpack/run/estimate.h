@@ -68,7 +68,7 @@ struct PackPlan {
     Report::Seconds seconds{};  ///< of one processor, without reading and writing
 };
 /// @param closer  also reads existing spheres, and makes the domain if it is clipped or sliced, or
-///                sizes differ by place in it, unless its field takes seconds.
+///                sizes differ by place in it, unless its field takes more than a second.
 /// @throws as `requireShell` and `requireRepeating`.
 PackPlan planPack(const PackRecipe& recipe, const DomainSource& source, bool closer = false);
 
