@@ -3,6 +3,7 @@
 #include "support/jobs.h"
 #include "support/test.h"
 
+#include "vdbpack/run/structure_sample.h"
 #include "vdbpack/voids/trabecular_presets.h"
 
 namespace {
@@ -148,6 +149,38 @@ TEST_CASE("a foam is like a lattice of struts in an image", "[.slow]") {
     CHECK(m.separation->mean == Approx(asked.separation->mean).epsilon(0.06));
     CHECK(m.anisotropy->degree == Approx(asked.anisotropy->degree).epsilon(0.06));
     CHECK(m.connectivityDensity == Approx(asked.connectivityDensity).epsilon(0.06));
+}
+
+TEST_CASE("a sample that states no distances of its voxels has those that are set") {
+    const TemporaryFolder folder;
+    const ImageGrid grid = gridAround(1, {{0.05, 0.05, 0.05}});
+    const auto v = Voxels<std::uint8_t>::of(grid, [](const Vec<3>& at) {
+        return std::hypot(std::remainder(at[0], 0.5), std::remainder(at[1], 0.5)) < 0.12 ||
+               std::hypot(std::remainder(at[0], 0.5), std::remainder(at[2], 0.5)) < 0.12;
+    });
+    writeNrrd(folder.file("stated.nrrd"), v, "uint8");
+    const std::string n = std::to_string(grid.size[0]);
+    writeBytes(folder.file("open.nrrd"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: " + n + ' ' +
+                                             n + ' ' + n + "\nencoding: raw\n\n" +
+                                             bytesOfValues(v.values));
+    auto recipe = voidsIn("box:4,4,4");
+    recipe.request.like = folder.file("stated.nrrd");
+    const FoamTargets stated =
+        withSample(settled(recipe).voids, recipe.domain, {}).as<FoamVoids>()->targets;
+    recipe.request.like = folder.file("open.nrrd");
+    CHECK_THROWS_AS(runVoids(recipe), InputError);
+    recipe.domain.voxelSpacing = Vec<3>{{0.05, 0.05, 0.05}};
+    const FoamTargets open =
+        withSample(settled(recipe).voids, recipe.domain, {}).as<FoamVoids>()->targets;
+    CHECK(open.tbth.value() == Approx(stated.tbth.value()));
+    CHECK(open.tbsp.value() == Approx(stated.tbsp.value()));
+    // No warning that they have no effect, also where another image than the sample has them.
+    auto graded = voidsIn("box:2,2,2");
+    setVoids(graded.request, "boolean", "constant:0.3");
+    graded.request.bvtvField = folder.file("open.nrrd");
+    graded.request.bvtvRange = "0,1";
+    graded.domain.voxelSpacing = recipe.domain.voxelSpacing;
+    CHECK_FALSE(mentions(runVoids(graded).report.warnings, "voxelSpacing"));
 }
 
 TEST_CASE("foams in the plane have the area fraction and thickness asked for") {

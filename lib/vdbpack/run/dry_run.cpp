@@ -23,11 +23,14 @@ DryRun dryRunPack(const PackRecipe& asked, const Callbacks& callbacks) {
         throw ParameterError(
             "a dry run predicts one part; leave out `partsFile`, and name the domain of one");
     return withThreads(recipe.threads, [&] {
-        recipe.voids = withSample(recipe.voids, callbacks);
+        recipe.voids = withSample(recipe.voids, recipe.domain, callbacks);
         Clock clock;
         const DomainSource source(recipe.domain, callbacks);
         const double mesh = clock.lap();
-        const PackPlan plan = planPack(recipe, source, true);
+        // A run that memory does not allow is not estimated more closely.
+        PackPlan plan = planPack(recipe, source);
+        if (estimate(plan.extent, recipe).memory() <= memoryLimit(recipe.memoryLimit))
+            plan = planPack(recipe, source, true);
         if (!(plan.count >= 0.5))
             throw InputError(recipe.domain.source +
                              ": no sphere of these radii is expected to fit; choose smaller radii");

@@ -74,8 +74,9 @@ RunResult runCarve(const CarveRecipe& asked, const Callbacks& callbacks) {
     auto inputs = voidInputs(recipe.voids);
     for (auto& file : inputFiles(recipe)) inputs.push_back(std::move(file));
     checkSettings(recipe, RunKind::pack, recipe.voids, inputs);
-    recipe.voids = withThreads(recipe.threads, [&] { return withSample(recipe.voids, callbacks); });
-    return runOnInputPack(recipe, "carve", recipe.voids, callbacks,
+    recipe.voids = withThreads(recipe.threads,
+                               [&] { return withSample(recipe.voids, recipe.domain, callbacks); });
+    return runOnInputPack(recipe, "carve", asked.voids, callbacks,
                           [&](auto& run) { return carve(run, recipe); });
 }
 

@@ -198,10 +198,11 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
     Report report = begunReport(recipe, "pack", recipe.domain.source);
     const auto work = [&] {
         const Callbacks heard = keepingWarnings(callbacks, report.warnings);
-        const VoidRecipe sampled = withSample(recipe.voids, heard);
+        const VoidRecipe sampled = withSample(recipe.voids, recipe.domain, heard);
         for (PackRecipe& r : recipes) {
             r.voids = sampled;
-            for (PackRecipe& part : r.parts) part.voids = withSample(part.voids, heard);
+            for (PackRecipe& part : r.parts)
+                part.voids = withSample(part.voids, part.domain, heard);
         }
         warnOfUnusedWeights(recipe.weightBy, {&recipe.radius, &recipe.shellRadius}, heard);
         if (Parts parts = partsOf(recipe, heard); !parts.empty()) {
@@ -214,7 +215,8 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
         const auto source = std::make_shared<const DomainSource>(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
         if (recipe.ranks) checkRanksIn(*source, recipe);
-        beginOn({source.get()}, recipe, recipe.voids, report, heard);
+        beginOn({source.get()}, recipe, asked.front().voids, report, heard, false,
+                recipe.sizeField);
         warnOfUnused(recipe.domain, *source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source->dim());
         if (source->dim() == 3)

@@ -379,7 +379,7 @@ RunResult packParts(const PackRecipe& recipe, Parts parts, const Report& begun, 
     std::vector<const DomainSource*> sources;
     for (const Part& part : parts) sources.push_back(part.source.get());
     Report first = begun;
-    beginOn(sources, recipe, recipe.voids, first, callbacks);
+    beginOn(sources, recipe, recipe.voids, first, callbacks, false, recipe.sizeField);
     checkCut(recipe, sources);
     SharedRadii radii(recipe, parts);
     PackedParts packed = packToTarget(radii, parts, begun, clock, callbacks);

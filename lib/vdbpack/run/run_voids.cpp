@@ -58,11 +58,11 @@ void voidsEach(const std::vector<VoidsRecipe>& asked, const Callbacks& caller,
     withThreads(first.threads, [&] {
         Clock clock;
         const Callbacks heard = keepingWarnings(callbacks, report.warnings);
-        const VoidRecipe sampled = withSample(first.voids, heard);
+        const VoidRecipe sampled = withSample(first.voids, first.domain, heard);
         for (VoidsRecipe& r : recipes) r.voids = sampled;
         const auto source = std::make_shared<const DomainSource>(first.domain, heard);
         report.seconds.mesh = clock.lap();
-        beginOn({source.get()}, first, first.voids, report, heard);
+        beginOn({source.get()}, first, asked.front().voids, report, heard);
         warnOfUnused(first.domain, *source, heard);
         checkOutputKinds(first.outputs, RunKind::voids, first.voids, source->dim());
         for (const auto& recipe : recipes) {

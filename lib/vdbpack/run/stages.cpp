@@ -8,6 +8,7 @@
 #include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/sphere_density.h"
+#include "vdbpack/image/image_file.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/options/recipe_file.h"
 #include "vdbpack/pack/local_sizes.h"
@@ -51,7 +52,8 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 }
 
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
-             const VoidRecipe& voids, Report& report, const Callbacks& callbacks, bool hasPack) {
+             const VoidRecipe& voids, Report& report, const Callbacks& callbacks, bool hasPack,
+             const std::string& sizeField) {
     for (const DomainSource* source : sources) {
         if (!source->isPeriodic()) continue;
         const std::string& name = source->recipe().source;
@@ -84,7 +86,11 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
     for (const DomainSource* source : sources)
         if (source->imageGrid())
             report.axes = source->recipe().space == ImageSpace::ras ? "RAS" : "LPS";
-    warnOfUnusedSpacing(settings.outputs, sources, callbacks);
+    // Files that are read beside the domains have its distances of voxels.
+    const auto files = voidInputs(voids);
+    if (settings.grey.samples.empty() && sizeField.empty() &&
+        std::none_of(files.begin(), files.end(), namesImage))
+        warnOfUnusedSpacing(settings.outputs, sources, callbacks);
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {

@@ -183,11 +183,12 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 /// @param sources  one, or the sources of several parts.
 /// @param voids    that are cut; only what they leave of a periodic cell has a surface.
 /// @param hasPack  whether spheres are read from a file, with columns of its own.
+/// @param sizeField  as in a PackRecipe.
 /// @throws as `labelGridOf`
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
 
              const VoidRecipe& voids, Report& report, const Callbacks& callbacks,
-             bool hasPack = false);
+             bool hasPack = false, const std::string& sizeField = {});
 
 /// The head of a report. @param subject  what the run works on.
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject);

@@ -33,20 +33,28 @@ Box<3> solidBounds(const VdbGrid& grid) {
     return {low, low + size * image.voxelSize};
 }
 
-Morphometry measuredSample(const SpecimenRecipe& r, const Callbacks& callbacks) {
+Morphometry measuredSample(const SpecimenRecipe& r, const std::optional<Vec<3>>& spacing,
+                           const Callbacks& callbacks) {
     MeasureRecipe recipe;
     recipe.pack = r.file;
     recipe.domain.threshold = r.threshold;
     recipe.domain.source = r.domain;
     const std::string extension = extensionOf(r.file);
-    if (extension == ".vdb") {
+    if (namesImage(r.file)) {
+        ImageReadOptions options;
+        options.spacing = spacing;
+        options.callbacks = callbacks;
+        const auto image = std::make_shared<const Image>(readImage(r.file, options));
+        recipe.solidImage = image;
+        if (!image->isSpaced) recipe.domain.voxelSpacing = spacing;  // of its domain as well
+    } else if (extension == ".vdb") {
         try {
             recipe.solid = levelSetGrid(r.file, "solid", 1);
         } catch (const InputError&) {  // no grid of that name
             recipe.solid = levelSetGrid(r.file, "", 1);
         }
         if (r.domain.empty()) recipe.domain.source = boxText(solidBounds(*recipe.solid));
-    } else if (!namesImage(r.file) && r.domain.empty()) {
+    } else if (r.domain.empty()) {
         DomainRecipe mesh;
         mesh.source = r.file;
         recipe.domain.source = boxText(DomainSource(mesh, callbacks).fileBounds());
@@ -61,10 +69,11 @@ Morphometry measuredSample(const SpecimenRecipe& r, const Callbacks& callbacks) 
 
 }  // namespace
 
-VoidRecipe withSample(VoidRecipe recipe, const Callbacks& callbacks) {
+VoidRecipe withSample(VoidRecipe recipe, const DomainRecipe& domain, const Callbacks& callbacks) {
     auto* const foam = recipe.as<FoamVoids>();
     if (!foam || foam->like.file.empty()) return recipe;
-    aimAt(measuredSample(foam->like, callbacks), foam->like.file, *foam, callbacks);
+    aimAt(measuredSample(foam->like, domain.voxelSpacing, callbacks), foam->like.file, *foam,
+          callbacks);
     foam->like = {};
     return recipe;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain_recipe.h"
 #include "vdbpack/voids/void_recipe.h"
 
 namespace vdbpack {
@@ -12,7 +13,8 @@ namespace vdbpack {
 /// A specimen is an image (with a threshold of grey values), a level set or a mesh. Its total
 /// volume is the image, or the domain of the request, or else the bounding box of the solid, taken
 /// as cut from a larger specimen.
+/// @param domain  of the run: its distances of voxels are those of an image that states none.
 /// @throws as `runMeasure`; InputError for a sample without solid or without pores
-VoidRecipe withSample(VoidRecipe recipe, const Callbacks& callbacks);
+VoidRecipe withSample(VoidRecipe recipe, const DomainRecipe& domain, const Callbacks& callbacks);
 
 }  // namespace vdbpack
