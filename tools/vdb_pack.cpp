@@ -48,6 +48,8 @@ enum ExitCode {
 std::atomic<bool> interrupted{false};
 /// Whether there may be completed spheres to write.
 std::atomic<bool> worthKeeping{false};
+/// Whether the pack is complete, and its files are being written under their own names.
+std::atomic<bool> isWriting{false};
 /// Whether this process speaks for all that work on one pack; the others tell errors alone.
 std::atomic<bool> isSpeaker{true};
 
@@ -66,6 +68,12 @@ void onSignal(int) {
         ::_exit(kInterrupted);
     }
     if (!isSpeaker) return;
+    if (isWriting) {
+        sayFromHandler(
+            "\nvdb_pack: interrupted; the pack is complete, and its files are still written. "
+            "Interrupt again to stop at once.\n");
+        return;
+    }
     sayFromHandler(
         "\nvdb_pack: interrupted; the completed spheres of an unfinished pack are written to "
         "NAME.interrupted.EXT. Interrupt again to stop at once.\n");
@@ -104,6 +112,7 @@ Callbacks makeCallbacks(bool quiet) {
     if (!quiet && isSpeaker && ::isatty(STDERR_FILENO)) line = std::make_shared<ProgressLine>();
     callbacks.progress = [line](const Progress& p) {
         if (p.stage == "pack") worthKeeping = true;
+        isWriting = p.stage == "write";
         if (line) line->show(p);
     };
     return callbacks;

@@ -88,7 +88,7 @@ TEST_CASE("lengths and shares that cannot be are refused") {
          {"pack @ball.obj --scale nan", 2, "--scale nan"},
          {"pack @ball.obj --scale 1e-30", 3, "@ball.obj --unit --scale"},
          {"pack @ball.obj --scale 1e30", 3, "@ball.obj unit"},
-         {"pack @ball.obj --shell 12", 3, "--shell 12 20"},
+         {"pack @ball.obj --shell 12", 3, "--shell 12 deepest 9.9"},
          {"measure @ball.obj --domain @ball.obj --shell nan", 2, "--shell 'nan'"},
          {"pack ball:9 --shell 20", 3, "--shell 20 9"},
          {"pack ball:9 --contact-tol 5", 2, "--contact-tol 5"},

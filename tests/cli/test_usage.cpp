@@ -1,5 +1,6 @@
 // The command line: help, misuse, recipes, completion, progress.
 #include "cli/progress_line.h"
+#include "support/requests.h"
 #include "support/test.h"
 #include "support/tool.h"
 
@@ -56,6 +57,9 @@ TEST_CASE("misuse is reported with what was meant") {
         {"pack ball:3 --boundary p", {"--boundary", "periodic:LX,LY,LZ"}},
         {"pack ball:3 --material=bone", {"--material", "region", "--density"}},
         {"pack ball:3 --porosity 0.4", {"--densify F", "--target-bvtv F"}},
+        {"pack ball:3 --diameter 1", {"--diameter", "--radius SPEC", "half"}},
+        {"pack ball:3 --radius uniform:0,5,1", {"'uniform:0,5,1'", "uniform:A,B", "point"}},
+        {"pack ball:3 --gap 0,1", {"--gap", "'0,1'", "point: 0.1"}},
         {"mesh", {"FILE", "vdb_pack mesh --help"}}};
     for (const Misuse& misuse : misuses) {
         CAPTURE(misuse.arguments);
@@ -63,6 +67,33 @@ TEST_CASE("misuse is reported with what was meant") {
         CHECK(out.code == 2);
         for (const char* name : misuse.names) CHECK_THAT(out.text, Contains(name));
     }
+}
+
+TEST_CASE("a file that is not there is reported with the one that was meant") {
+    const TemporaryFolder folder;
+    putContent(folder.file("femur.ply"), "");
+    for (const std::string words : {"pack @femr.ply", "pack @femur.stl", "pack @femur.nrrd",
+                                    "pack ball:9 --existing @femur.vdb"}) {
+        CAPTURE(words);
+        const auto run = asked(wordsIn(words, folder.path()));
+        CHECK(run.code == 4);
+        CHECK_THAT(run.text, Contains("did you mean " + folder.file("femur.ply")));
+    }
+    CHECK_THAT(asked(wordsIn("pack @tibia.obj", folder.path())).text, !Contains("mean"));
+}
+
+TEST_CASE("verify says what has passed, and that another unit gives another hash") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("p.csv");
+    const auto pack = vdbPack("pack ball:5 --radius constant:1 --out-unit m -o " + file);
+    CHECK_THAT(pack.text, Contains("files in m round them"));
+    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 -o " + file).text, !Contains("round"));
+    CHECK_THAT(vdbPack("verify " + file + " --domain ball:5").text,
+               Contains("passed: overlap and protrusion"));
+    CHECK_THAT(vdbPack("verify " + file).text,
+               Contains("passed: overlap") && Contains("protrusion is not checked"));
+    CHECK_THAT(vdbPack("verify " + file + " --domain ball:4").text,
+               Contains("FAILED") && !Contains("passed"));
 }
 
 TEST_CASE("a recipe that cannot be read is reported by line and name") {

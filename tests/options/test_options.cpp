@@ -3,7 +3,7 @@
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/options/command_line.h"
 #include "vdbpack/options/jobs.h"
-#include "vdbpack/options/suggest.h"
+#include "vdbpack/io/suggest.h"
 
 #include <catch2/catch.hpp>
 

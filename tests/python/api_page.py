@@ -18,7 +18,7 @@ GROUPS = {
 
 
 def signature(thing):
-    text = re.sub(r"\b(?:\w+\.)+(\w+)", r"\1", str(inspect.signature(thing)))
+    text = re.sub(r"\b(?:[A-Za-z_]\w*\.)+(\w+)", r"\1", str(inspect.signature(thing)))
     return re.sub(r"(\(|, )self(, )?", r"\1", text).replace("'", "")
 
 

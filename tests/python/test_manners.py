@@ -1,7 +1,10 @@
 """Errors, warnings, progress, interrupts and threads."""
 
 import os
+import pathlib
 import signal
+import subprocess
+import sys
 import threading
 import time
 import warnings
@@ -146,6 +149,24 @@ def test_warnings_are_pythons():
     with pytest.warns(vdbpack.VdbpackWarning, match="unit has no effect") as told:
         vdbpack.pack(vdbpack.box(8, 8, 8), radius=1, unit="m")
     assert told[0].filename == __file__  # the caller's line
+
+
+def test_a_warning_comes_once_in_a_loop():
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("default")
+        for seed in range(3):
+            vdbpack.pack(vdbpack.box(8, 8, 8), radius=1, unit="m", seed=seed)
+    assert len(told) == 1
+
+
+def test_a_module_without_its_compiled_part_says_what_to_build(tmp_path):
+    folder = tmp_path / "vdbpack"
+    folder.mkdir()
+    for source in pathlib.Path(vdbpack.__file__).parent.glob("*.py"):
+        (folder / source.name).write_text(source.read_text())
+    done = subprocess.run([sys.executable, "-c", "import vdbpack"], cwd=tmp_path, text=True, check=False,
+                          env={**os.environ, "PYTHONPATH": str(tmp_path)}, capture_output=True)
+    assert "--target vdbpack_python" in done.stderr and "circular" not in done.stderr.splitlines()[-1]
 
 
 def test_progress():

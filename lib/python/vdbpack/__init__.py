@@ -7,6 +7,17 @@
 Functions take the options of the command line with underscores for dashes. Lengths are mm.
 """
 
+try:
+    from . import _core as _core
+except ImportError as _error:
+    from importlib.util import find_spec as _find_spec
+    if _find_spec(__name__ + "._core") is None:
+        raise ImportError(
+            "the C++ part of vdbpack is not built: cmake --build --preset release --target vdbpack_python takes half a "
+            "minute; then set PYTHONPATH=build/release/lib/python"
+        ) from _error
+    raise
+
 from ._commands import (
     carve, convert, densify, inspect_image, inspect_mesh, measure, morphometry, pack, predict, repair, verify, voids,
 )

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/image/image_file.h"
+#include "vdbpack/io/suggest.h"
 
 #include <fmt/format.h>
 
@@ -90,7 +91,7 @@ Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
 void requireThere(const std::string& file) {
     std::error_code ignored;
     if (file.find('*') == std::string::npos && !std::filesystem::exists(file, ignored))
-        throw IoError(file + ": there is no such file");
+        throw IoError(file + ": there is no such file" + similarFile(file));
 }
 
 void requireGreyImage(const std::string& setting, const std::string& file) {

@@ -1,6 +1,7 @@
 #include "vdbpack/field/vdb_archive.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
@@ -20,7 +21,11 @@ using openvdb::GridBase;
 using openvdb::io::GridDescriptor;
 
 VdbArchive::VdbArchive(const std::string& path) : stream_(path, std::ios::binary) {
-    if (!stream_) throw IoError(path + ": cannot be read: " + std::strerror(errno));
+    if (!stream_) {
+        const int cause = errno;
+        throw IoError(path + ": cannot be read: " + std::strerror(cause) +
+                      (cause == ENOENT ? similarFile(path) : ""));
+    }
     stream_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     readHeader();
     openvdb::MetaMap().readMeta(stream_);

@@ -6,6 +6,7 @@
 #include "vdbpack/image/itk_image.h"
 #include "vdbpack/image/meta_image.h"
 #include "vdbpack/image/nifti.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
@@ -175,7 +176,8 @@ Image readImage(const std::string& path, const ImageReadOptions& options) {
         return readTiffStack(files, options);
     }
     std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) throw IoError(path + ": there is no such file");
+    if (!std::filesystem::exists(path, ignored))
+        throw IoError(path + ": there is no such file" + similarFile(path));
     const std::string extension = extensionOf(path);
     if (extension == ".mha" || extension == ".mhd") return readMetaImage(path, options);
     if (isNifti(path)) return readNifti(path, options);

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/byte_order.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 
 #include <fcntl.h>
@@ -22,8 +23,9 @@ constexpr std::size_t kBufferBytes = std::size_t{1} << 22;
 constexpr std::size_t kLineEndSample = std::size_t{1} << 16;
 
 [[noreturn]] void failReading(const std::string& path, int cause) {
+    const std::string similar = cause == ENOENT ? similarFile(path) : "";
     throw IoError(path + ": cannot be read: " + std::strerror(cause) +
-                  "; check the name and the permissions");
+                  (similar.empty() ? "; check the name and the permissions" : similar));
 }
 
 /// '\n' (alone or after '\r'), or '\r' where there is no '\n', as old Mac software writes it.

@@ -88,8 +88,13 @@ Option& OptionList::custom(const char* name, const char* shown, std::string help
 
 double OptionList::numberIn(const std::string& name, const std::string& text, Range range) {
     double value = 0;
-    if (!parseReal(text, value))
-        throw ParameterError(fmt::format("`{}`: '{}' is not a number", name, text));
+    if (!parseReal(text, value)) {
+        std::string pointed = text;
+        std::replace(pointed.begin(), pointed.end(), ',', '.');
+        const bool comma = pointed != text && parseNumber(pointed, value);
+        throw ParameterError(fmt::format("`{}`: '{}' is not a number{}", name, text,
+                                         comma ? "; decimals have a point: " + pointed : ""));
+    }
     const bool fits = range == Range::any || (range == Range::positive ? value > 0 : value >= 0);
     if (!(fits && std::isfinite(value)))
         throw ParameterError(fmt::format("`{}`: '{}' must be a {}", name, text,

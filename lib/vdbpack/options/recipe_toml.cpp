@@ -1,9 +1,9 @@
 #include "vdbpack/options/recipe_toml.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/recipe_paths.h"
-#include "vdbpack/options/suggest.h"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>

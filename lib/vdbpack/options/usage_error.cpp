@@ -1,7 +1,7 @@
 #include "vdbpack/options/usage_error.h"
 
 #include "vdbpack/io/text.h"
-#include "vdbpack/options/suggest.h"
+#include "vdbpack/io/suggest.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -52,6 +52,9 @@ constexpr ForeignOption kForeignOptions[] = {
     {"porosity",
      "`densify` F sets the solid fraction of the spheres, `voids` METHOD with `target-bvtv` F the "
      "bone volume fraction"},
+    {"diameter", "`radius` SPEC sets the radii, half of the diameters, mm"},
+    {"diameters", "`radius` SPEC sets the radii, half of the diameters, mm"},
+    {"size", "`radius` SPEC sets the radii, half of the diameters, mm"},
     {"number", "`target-count` N scales the radii so that about N spheres fill the domain"},
     {"count", "`target-count` N scales the radii so that about N spheres fill the domain"},
     {"min-radius", "`radius` uniform:A,B sets both ends"},

@@ -25,7 +25,8 @@ std::vector<double> parseNumbers(const std::string& spec, std::string_view text,
     auto values = parseNumberList(text);
     if (!values || values->size() != expected)
         throw ParameterError(fmt::format(
-            "radius distribution '{}' is malformed; write it as {} (lengths in mm)", spec, form));
+            "radius distribution '{}' is malformed; write it as {} (lengths in mm{})", spec, form,
+            values && values->size() > expected ? "; decimals have a point, such as 0.5" : ""));
     return std::move(*values);
 }
 

@@ -1,6 +1,7 @@
 // The report of a run: the request, the result, and its verification.
 #pragma once
 
+#include "vdbpack/core/units.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/mass_offset.h"
@@ -39,9 +40,10 @@ struct Report {
     std::string command;  ///< as it was given
     std::string axes;     ///< of the world of images: "LPS" or "RAS"; empty: unknown
     std::uint64_t seed = 0;
-    int threads = 0;         ///< of each process
-    int ranks = 1;           ///< processes that shared the work
-    std::uint64_t hash = 0;  ///< `packHash`
+    int threads = 0;                    ///< of each process
+    int ranks = 1;                      ///< processes that shared the work
+    std::uint64_t hash = 0;             ///< `packHash`, of lengths in mm
+    Unit filesUnit = Unit::millimeter;  ///< of the lengths in the files that are written
     bool interrupted = false;
 
     DomainFacts domain;

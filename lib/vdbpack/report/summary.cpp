@@ -296,6 +296,10 @@ void addRun(Summary& out, const Report& r, const DimensionWords& words) {
         out.line("seed", fmt::format("{}, hash {}", r.seed, hashText(r.hash)));
     else
         out.line("hash", hashText(r.hash));
+    if (r.filesUnit != Unit::millimeter && r.count > 0)
+        out.line("", fmt::format("of lengths in mm; files in {} round them, so that the pack in "
+                                 "them has another hash",
+                                 unitName(r.filesUnit)));
 }
 
 /// Lines of which the first has a label.
@@ -316,6 +320,11 @@ std::string summary(const Report& r) {
     if (r.voids) addVoids(out, r, words);
     addParts(out, r);
     addChecks(out, r, words);
+    if (r.task == "verify")
+        out.line("verdict", failedChecks(r).any() ? "FAILED"
+                            : r.protrusion        ? "passed: overlap and protrusion"
+                                                  : "passed: overlap; without a domain, protrusion "
+                                                    "is not checked");
     addRun(out, r, words);
     addLines(out, "written", r.files);
     return out.text();

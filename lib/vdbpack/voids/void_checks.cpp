@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/domain_image.h"
 #include "vdbpack/image/image_file.h"
+#include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/scalar_field.h"
 
 #include <fmt/format.h>
@@ -33,10 +34,13 @@ void requireShell(double shell, const DomainSource& source) {
     const Vec<3> size = source.fileBounds().size();
     const double thin = *std::min_element(size.c.begin(), size.c.begin() + source.dim());
     if (2 * shell < thin) return;
+    const auto built = source.build(thin / 40, thin / 6);
+    const double deepest =
+        built.space ? largestBall(*built.space).radius : largestBall(*built.plane).radius;
     throw InputError(fmt::format(
-        "`shell` {} mm: no part of the domain lies deeper, it is at most {:.4g} mm thick; give a "
-        "thinner shell, or check the unit of the domain",
-        shell, thin));
+        "`shell` {} mm: no part of the domain lies deeper than the shell; its deepest point lies "
+        "{:.4g} mm below the wall; give a thinner shell, or check the unit of the domain",
+        shell, deepest));
 }
 
 void requireRepeating(const DomainSource& source, const VoidRecipe& voids) {

@@ -1,6 +1,8 @@
-#include "vdbpack/options/suggest.h"
+#include "vdbpack/io/suggest.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 namespace vdbpack {
 
@@ -34,6 +36,23 @@ std::string mostLike(const std::string& word, const std::vector<std::string>& wo
     for (const auto& known : words)
         if (known.compare(0, word.size(), word) == 0) return known;
     return {};
+}
+
+std::string similarFile(const std::string& path) {
+    const std::filesystem::path wanted = path;
+    const auto folder = wanted.parent_path();
+    std::vector<std::string> names;
+    std::error_code failed;
+    std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, failed);
+    for (; !failed && entry != std::filesystem::directory_iterator(); entry.increment(failed))
+        names.push_back(entry->path().filename().string());
+    std::sort(names.begin(), names.end());
+    const auto twin = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+        return std::filesystem::path(name).stem() == wanted.stem();
+    });
+    const std::string like =
+        twin != names.end() ? *twin : mostLike(wanted.filename().string(), names);
+    return like.empty() ? "" : "; did you mean " + (folder / like).string() + "?";
 }
 
 }  // namespace vdbpack
