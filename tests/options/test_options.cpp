@@ -1,9 +1,9 @@
 // The table of options: names in messages, values, words that are alike.
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/domain_text.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/options/command_line.h"
 #include "vdbpack/options/jobs.h"
-#include "vdbpack/io/suggest.h"
 
 #include <catch2/catch.hpp>
 

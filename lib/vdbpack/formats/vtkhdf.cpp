@@ -37,11 +37,19 @@ hid_t nativeType(NumberType type) {
     }
 }
 
+/// The format that every HDF5 reads, which is no longer the default of HDF5 2: there, groups have
+/// times, and no two files of a pack are the same.
+Hdf5 oldestFormat() {
+    Hdf5 access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
+    return access;
+}
+
 class HdfWriter {
 public:
     explicit HdfWriter(const std::string& path)
         : path_(path),
-          file_(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose),
+          file_(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, oldestFormat()), H5Fclose),
           group_(made(H5Gcreate2(file_, "VTKHDF", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)),
                  H5Gclose),
           data_(made(H5Gcreate2(group_, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)),

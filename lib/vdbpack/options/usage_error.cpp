@@ -1,7 +1,7 @@
 #include "vdbpack/options/usage_error.h"
 
-#include "vdbpack/io/text.h"
 #include "vdbpack/io/suggest.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

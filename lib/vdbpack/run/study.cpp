@@ -47,7 +47,7 @@ void checkTable(const std::string& table) {
 template <class Recipe>
 std::optional<SolidMeasures> measuredSolid(const Recipe& recipe, const RunResult& run,
                                            const Callbacks& callbacks) {
-    constexpr double kMostVoxels = 2e7;
+    constexpr double kMostVoxels = 8e6;
     const Report& report = run.report;
     if (report.interrupted || report.dim != 3 || !report.voids || !report.voids->targets.empty() ||
         !recipe.voids.shellField.empty())
