@@ -271,20 +271,6 @@ TEST_CASE("the table of a study has BV/TV, regions and connectivity") {
               Approx(report.contacts->largestComponent));
     }
     CHECK_THAT(summary(study), Contains("BV/TV") && Contains("cortical"));
-    // Its solid is measured, though no target asks for it.
-    const TemporaryFolder voids;
-    auto one = voidsIn("box:6,6,6", voids.file("v{seed}.vdb"));
-    setVoids(one.request, "boolean", "constant:1", 0.6);
-    runStudy(settled(one), {1, 2}, voids.file("t.csv"));
-    auto measure = onPack<MeasureRecipe>(voids.file("v2.vdb"), "box:6,6,6");
-    measure.domain.gridName = "solid";
-    const auto solid = runMeasure(measure).morphometry;
-    const auto measured = rowsOf(voids.file("t.csv"));
-    CHECK(std::stod(cellOf(measured, 2, "tbth")) == Approx(solid->thickness->mean).epsilon(1e-3));
-    CHECK(std::stod(cellOf(measured, 2, "tbsp")) == Approx(solid->separation->mean).epsilon(1e-3));
-    CHECK(std::stod(cellOf(measured, 2, "da")) == Approx(solid->anisotropy->degree).epsilon(1e-3));
-    CHECK(std::stod(cellOf(measured, 2, "connd")) ==
-          Approx(solid->connectivityDensity).epsilon(1e-3));
     // Without voids there are none.
     runStudy(recipeFor("ball:4", "constant:1"), {1}, folder.file("p.csv"));
     CHECK(cellOf(rowsOf(folder.file("p.csv")), 1, "bvtv").empty());

@@ -160,31 +160,14 @@ std::array<std::optional<double>, 2> spreadOf(const char* figure,
 
 }  // namespace
 
-namespace {
-
-/// A number of a structure as it was measured, by the name of its figure.
-std::optional<double> measuredIn(const SolidMeasures& solid, const std::string& figure) {
-    if (figure == "tbth" && solid.thickness) return solid.thickness->mean;
-    if (figure == "tbsp" && solid.separation) return solid.separation->mean;
-    if (figure == "da" && solid.anisotropy) return solid.anisotropy->degree;
-    if (figure == "connd") return solid.connectivityDensity;
-    return std::nullopt;
-}
-
-}  // namespace
-
-std::string studyTable(const std::vector<Report>& reports,
-                       const std::vector<std::optional<SolidMeasures>>& solids) {
+std::string studyTable(const std::vector<Report>& reports) {
     std::string text = "seed,hash";
     for (const Figure& figure : figures()) text += std::string(",") + figure.name;
     text += '\n';
-    for (std::size_t k = 0; k < reports.size(); ++k) {
-        const Report& r = reports[k];
+    for (const Report& r : reports) {
         text += fmt::format("{},{}", r.seed, r.task == "voids" ? "" : hashText(r.hash));
         for (const Figure& figure : figures()) {
-            auto value = figure.of(r);
-            if (!value && k < solids.size() && solids[k])
-                value = measuredIn(*solids[k], figure.name);
+            const auto value = figure.of(r);
             text += ',' + (value ? fmt::format(fmt::runtime(figure.form), *value) : "");
         }
         text += '\n';
