@@ -90,7 +90,7 @@ public:
     virtual Box<Dim> bounds() const = 0;
     /// Volume (2D: area), mm^Dim.
     virtual double volume() const = 0;
-    /// The center of its volume, mm; nothing if it is unknown, as that of a mesh with flaws.
+    /// The center of its volume, mm; nothing where the domain does not know it: a mesh with flaws.
     virtual std::optional<Vec<Dim>> centroid() const { return std::nullopt; }
     /// Area of the wall (2D: its length, the perimeter), mm^(Dim-1).
     virtual double wallArea() const = 0;

@@ -10,8 +10,8 @@
 
 namespace vdbpack {
 
-/// n⊗n in Mandel's notation, in which dot products are those of tensors: n_p n_q for p <= q, times
-/// the root of two where p < q.
+/// n⊗n in Mandel's notation: n_p n_q for p <= q, times the root of two where p < q, so that the dot
+/// product of two of them is the contraction of two tensors.
 template <int Dim>
 Vec<Dim*(Dim + 1) / 2> mandelDyad(const Vec<Dim>& n) {
     Vec<Dim*(Dim + 1) / 2> dyad;

@@ -13,7 +13,7 @@ namespace vdbpack {
 /// A specimen is an image (with a threshold of grey values), a level set or a mesh. Its total
 /// volume is the image, or the domain of the request, or else the bounding box of the solid, taken
 /// as cut from a larger specimen.
-/// @param domain  of the run: its distances of voxels are those of an image that states none.
+/// @param domain  of the run: an image that states no distances of voxels takes its distances.
 /// @throws as `runMeasure`; InputError for a sample without solid or without pores
 VoidRecipe withSample(VoidRecipe recipe, const DomainRecipe& domain, const Callbacks& callbacks);
 
