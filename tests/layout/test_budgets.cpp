@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 84887},
+    {"lib", 84831},
     {"lib/python", 1999},
     {"lib/vdbpack/core", 2367},
     {"lib/vdbpack/io", 2916},
@@ -36,14 +36,14 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/measure", 5528},
     {"lib/vdbpack/voids", 7974},
     {"lib/vdbpack/formats", 9435},
-    {"lib/vdbpack/report", 3392},
+    {"lib/vdbpack/report", 3371},
     {"lib/vdbpack/preview", 2580},
     {"lib/vdbpack/view", 1480},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 2995},
-    {"lib/vdbpack/run", 5168},
+    {"lib/vdbpack/run", 5133},
     {"tools", 3805},
-    {"tests", 31811},
+    {"tests", 31797},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;
