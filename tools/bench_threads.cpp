@@ -26,9 +26,10 @@ struct Stage {
     const char* name;
     double Seconds::*seconds;
 };
-constexpr std::array<Stage, 8> kStages{{{"mesh", &Seconds::mesh},
+constexpr std::array<Stage, 9> kStages{{{"mesh", &Seconds::mesh},
                                         {"domain", &Seconds::domain},
                                         {"pack", &Seconds::pack},
+                                        {"settle", &Seconds::settle},
                                         {"densify", &Seconds::densify},
                                         {"voids", &Seconds::voids},
                                         {"measure", &Seconds::measure},

@@ -106,6 +106,9 @@ TEST_CASE("densities that make no sense are refused") {
            {"pack ball:9 --densify most", 2, "'most' max"},
            {"pack ball:9 --radius constant:2 --densify 0.97", 2, "0.97"},
            {"pack ball:9 --densify 0.6 --max-count 9", 2, "--max-count"},
+           {"pack ball:9 --settle on --max-count 9", 2, "--max-count"},
+           {"pack ball:9 --settle on --densify 0.6", 2, "--settle"},
+           {"pack ball:9 --settle yes", 2, "--settle"},
            {"pack ball:9 --densify 0.6 --voids mixed --void-radius constant:2 "
             "--void-probability 0.1",
             2, "mixed"},

@@ -44,7 +44,7 @@ DIM_TEST_CASE("spheres of a densified pack touch their neighbors") {
         const auto contacts = countContacts(result.spheres, 1e-3);
         CHECK(contacts.meanOfSpheres > (Dim == 3 ? 4.8 : 3.0));
         if (Dim == 3) CHECK(contacts.largestComponent > 0.99);
-        CHECK(countContacts(result.spheres, 1e-4).meanOfSpheres > (Dim == 3 ? 4.2 : 2.7));
+        CHECK(countContacts(result.spheres, 1e-4).meanOfSpheres > (Dim == 3 ? 3.9 : 2.7));
         checkSound(result.spheres, *domain);
     }
 }
@@ -62,10 +62,12 @@ DIM_TEST_CASE("spheres are drawn together only if that is wanted, and by a short
     CHECK(countContacts(apart.spheres, 1e-3).meanOfSpheres < 1);
     CHECK(countContacts(touching.spheres, 1e-3).meanOfSpheres > Dim);
     REQUIRE(touching.spheres.size() == apart.spheres.size());
-    for (std::size_t i = 0; i < apart.spheres.size(); ++i) {
-        CHECK(touching.spheres[i].radius == apart.spheres[i].radius);
-        CHECK(length(touching.spheres[i].center - apart.spheres[i].center) < 0.5);
-    }
+    // But for a few that exchanged places.
+    std::size_t exchanged = 0;
+    for (std::size_t i = 0; i < apart.spheres.size(); ++i)
+        exchanged += touching.spheres[i].radius != apart.spheres[i].radius ||
+                     length(touching.spheres[i].center - apart.spheres[i].center) > 0.5;
+    CHECK(static_cast<double>(exchanged) < 0.01 * static_cast<double>(apart.spheres.size()));
 }
 
 TEST_CASE("a pack interrupted while its spheres are drawn together is sound") {
@@ -120,6 +122,35 @@ DIM_TEST_CASE("a densified pack is the same for any number of threads") {
         if (first.empty()) first = result.spheres;
         CHECK(result.spheres == first);
     }
+}
+
+DIM_TEST_CASE("a settled front does not tell where it began") {
+    const std::string spec = "uniform:1,2";
+    const auto domain = box<Dim>(Dim == 3 ? 50 : 150);
+    const auto before = front(*domain, spec);
+    // The share of the contacts' fabric along the diagonal, on which the front advances.
+    const auto along = [](const std::vector<Sphere<Dim>>& spheres) {
+        const auto network = countContacts(spheres, 1e-3);
+        double sum = 0;
+        for (std::size_t i = 0; i < Dim; ++i)
+            for (std::size_t j = 0; j < Dim; ++j) sum += network.fabric[i].c[j];
+        return sum / Dim;
+    };
+    constexpr double kIsotropic = 1.0 / Dim;
+    CHECK(along(before) > kIsotropic + 0.05);
+    DensifyOptions options;
+    options.settle = true;
+    std::vector<Sphere<Dim>> first;
+    for (const int threads : {1, 3}) {
+        const auto result = withThreads(threads, [&] { return densify(*domain, before, options); });
+        REQUIRE(result.apart);
+        if (first.empty()) first = result.spheres;
+        CHECK(result.spheres == first);
+    }
+    CHECK(along(first) == Approx(kIsotropic).margin(Dim == 3 ? 0.012 : 0.03));
+    CHECK(countContacts(first, 1e-3).meanOfSpheres > (Dim == 3 ? 5 : 3.2));
+    checkSound(first, *domain);
+    checkRadii(before, first);
 }
 
 TEST_CASE("fixed spheres stay where they are, and the others keep off them") {
@@ -221,7 +252,7 @@ TEST_CASE("no sphere leaves a wall of triangles") {
     CHECK(result.reached);
     CHECK(checkOverlap(result.spheres).max == 0);
     CHECK(checkProtrusion(result.spheres, mesh).max == 0);
-    CHECK(countContacts(result.spheres, 1e-3).meanOfSpheres > 4);
+    CHECK(countContacts(result.spheres, 1e-3).meanOfSpheres > 3.7);  // beside the walls
 }
 
 TEST_CASE("a pack that is interrupted while it gets denser is the last that was apart") {

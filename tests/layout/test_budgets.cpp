@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 84831},
+    {"lib", 85268},
     {"lib/python", 1999},
-    {"lib/vdbpack/core", 2367},
+    {"lib/vdbpack/core", 2389},
     {"lib/vdbpack/io", 2916},
     {"lib/vdbpack/mesh", 3821},
     {"lib/vdbpack/verify", 2324},
@@ -32,18 +32,18 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/repair", 2831},
     {"lib/vdbpack/domain", 6324},
     {"lib/vdbpack/pack", 7727},
-    {"lib/vdbpack/densify", 4396},
+    {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/measure", 5528},
     {"lib/vdbpack/voids", 7974},
     {"lib/vdbpack/formats", 9435},
-    {"lib/vdbpack/report", 3371},
+    {"lib/vdbpack/report", 3374},
     {"lib/vdbpack/preview", 2580},
     {"lib/vdbpack/view", 1480},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 2995},
-    {"lib/vdbpack/run", 5133},
-    {"tools", 3805},
-    {"tests", 31797},
+    {"lib/vdbpack/options", 3003},
+    {"lib/vdbpack/run", 5186},
+    {"tools", 3806},
+    {"tests", 31833},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -57,7 +57,7 @@ TEST_CASE("the report has the keys that scripts rely on") {
                                  {"tolerance": 0, "before": 0, "after": 0},
                                  {"tolerance": 0, "before": 0, "after": 0}], "solidLike": 0},
       "voids": {"count": 0, "bvtv": 0, "culled": 0},
-      "seconds": {"mesh": 0, "domain": 0, "pack": 0, "densify": 0, "voids": 0, "measure": 0, "write": 0,
+      "seconds": {"mesh": 0, "domain": 0, "pack": 0, "settle": 0, "densify": 0, "voids": 0, "measure": 0, "write": 0,
                   "total": 0},
       "peakMemoryBytes": 0, "warnings": []})");
     const auto keys = [](const nlohmann::ordered_json& j) {

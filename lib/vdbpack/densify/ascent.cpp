@@ -8,18 +8,20 @@ namespace vdbpack {
 
 namespace {
 
-/// Increments of the solid fraction on the way to the densest pack; the last one ends it.
+/// Increments of the solid fraction on the way to the densest pack; the last one ends it, at this
+/// pace where sizes differ.
 constexpr std::array<double, 3> kStages{0.02, 0.01, 0.005};
+constexpr RelaxationPace kPaceOfMost{0.9985, 0.25};
 /// The way to the densest pack of a periodic cell: in one stage from the front, by as much as can
 /// be of the first; then in stages. Each of these is tried twice, with further spheres of its own:
 /// which of them jams is chance.
 constexpr std::array<double, 4> kGainsAtOnce{0.049, 0.047, 0.045, 0.0425};
 constexpr std::array<double, 2> kStagesOfCell{0.005, 0.0025};
 constexpr int kTries = 2;
-constexpr RelaxationPace kPaceOfCell{0.997, 0.25, 3};
+constexpr RelaxationPace kPaceOfCell{0.998, 0.25};
 /// Equal spheres stay at random at this pace where they have no walls, along which they
 /// crystallize.
-constexpr RelaxationPace kPaceOfEqualInCell{0.995, 0.1, 3};
+constexpr RelaxationPace kPaceOfEqualInCell{0.996, 0.1};
 /// Of equal spheres, with or without walls: in several stages they are agitated for longer and
 /// crystallize.
 constexpr std::array<double, 11> kGainsOfEqual{0.0425, 0.041, 0.0395, 0.038, 0.0365, 0.035,
@@ -97,8 +99,11 @@ bool Ascent::climbOnceAtRandom(double most) {
 void Ascent::climb(double most) {
     for (const double increment : kStages)
         while (!stages_.isInterrupted()) {
-            const double next = stages_.reached() + increment;
-            if (next > setting_.limit || !attemptGain(std::min(next, most))) break;
+            const double next = std::min(stages_.reached() + increment, most);
+            const bool isLast = increment == kStages.back() && paces_.differInSize();
+            if (next > setting_.limit ||
+                !(isLast ? stages_.attempt(next, {kPaceOfMost}) : attemptGain(next)))
+                break;
             if (isEnded(most)) return;
         }
 }

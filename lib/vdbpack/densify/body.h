@@ -81,12 +81,46 @@ VDBPACK_INLINE Bodies8 load(const Body* first) {
     return byComponent(b);
 }
 
+/// Writes bodies to `to[ids[0]]` to `to[ids[7]]`.
+VDBPACK_INLINE void scatter(Body* to, const std::uint32_t* ids, const Bodies8& b) {
+    const Word8 r = bitsAs<Word8>(b.radius);
+    const Word8 xy04 = __builtin_shufflevector(b.x, b.y, 0, 8, 1, 9, 4, 12, 5, 13);
+    const Word8 xy26 = __builtin_shufflevector(b.x, b.y, 2, 10, 3, 11, 6, 14, 7, 15);
+    const Word8 zr04 = __builtin_shufflevector(b.z, r, 0, 8, 1, 9, 4, 12, 5, 13);
+    const Word8 zr26 = __builtin_shufflevector(b.z, r, 2, 10, 3, 11, 6, 14, 7, 15);
+    const Word8 rows[4] = {__builtin_shufflevector(xy04, zr04, 0, 1, 8, 9, 4, 5, 12, 13),
+                           __builtin_shufflevector(xy04, zr04, 2, 3, 10, 11, 6, 7, 14, 15),
+                           __builtin_shufflevector(xy26, zr26, 0, 1, 8, 9, 4, 5, 12, 13),
+                           __builtin_shufflevector(xy26, zr26, 2, 3, 10, 11, 6, 7, 14, 15)};
+    for (int l = 0; l < 4; ++l) {
+        const Word4 low = __builtin_shufflevector(rows[l], rows[l], 0, 1, 2, 3);
+        const Word4 high = __builtin_shufflevector(rows[l], rows[l], 4, 5, 6, 7);
+        std::memcpy(static_cast<void*>(to + ids[l]), &low, sizeof low);
+        std::memcpy(static_cast<void*>(to + ids[l + 4]), &high, sizeof high);
+    }
+}
+
 /// a - b, for positions less than 2^31 apart.
+VDBPACK_INLINE Float8 difference(Word8 a, Word8 b) {
+    return __builtin_convertvector(bitsAs<Int8>(a - b), Float8);
+}
 VDBPACK_INLINE Float8 difference(Word8 a, std::uint32_t b) {
     return __builtin_convertvector(bitsAs<Int8>(a - b), Float8);
 }
 VDBPACK_INLINE float difference(std::uint32_t a, std::uint32_t b) {
     return static_cast<float>(static_cast<std::int32_t>(a - b));
+}
+
+/// Whether bodies are farther from where they were `listed` than the radius there.
+VDBPACK_INLINE bool isBeyond(const Body& listed, const Body& body) {
+    const float x = difference(body.x, listed.x), y = difference(body.y, listed.y),
+                z = difference(body.z, listed.z);
+    return x * x + y * y + z * z > listed.radius * std::abs(listed.radius);
+}
+VDBPACK_INLINE Int8 areBeyond(const Bodies8& listed, const Bodies8& body) {
+    const Float8 x = difference(body.x, listed.x), y = difference(body.y, listed.y),
+                 z = difference(body.z, listed.z);
+    return x * x + y * y + z * z > listed.radius * absolute(listed.radius);
 }
 
 }  // namespace vdbpack

@@ -18,6 +18,9 @@ namespace {
 constexpr double kClass = 2.2;
 /// Most cells of a level: per body, and in any case.
 constexpr double kCellsEach = 8, kFewCells = 1000;
+/// Bodies in cells that are searched for one another differ by less than 2^30 quanta up to this
+/// side.
+constexpr double kSideOfNear = 1 << 28;
 
 /// Where the bodies of a level lie.
 struct Extent {
@@ -71,6 +74,7 @@ bool BodyCells::lay(const std::vector<Home>& homes, const Body* bodies, float le
         for (std::size_t k = 0; k < classes; ++k) extents[k].add(ofRank[k]);
     std::uint64_t cells = 0;
     Extent whole;
+    double widest = 0;
     for (std::size_t k = 0; k < classes; ++k) {
         const Extent& all = extents[k];
         Level& level = levels_[k];
@@ -93,10 +97,11 @@ bool BodyCells::lay(const std::vector<Home>& homes, const Body* bodies, float le
             }
             if (total <= kCellsEach * static_cast<double>(all.count) + kFewCells) break;
         }
+        widest = std::max(widest, level.side);
         cells += static_cast<std::uint64_t>(level.count[0] * level.count[1] * level.count[2]);
     }
     cells_.clear();
-    return !isNear(whole.lo, whole.hi);
+    return widest > kSideOfNear && !isNear(whole.lo, whole.hi);
 }
 
 void BodyCells::requireFewCells(std::uint64_t cells) const {

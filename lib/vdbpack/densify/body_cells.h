@@ -37,7 +37,7 @@ public:
     /// Sorts `homes.size()` bodies by cell, and within a cell by their numbers.
     /// @param bodies          only their radii are read, quanta.
     /// @param least, largest  of the radii.
-    /// @return whether bodies that are far apart may have near low bits (`isNear`).
+    /// @return whether bodies of rows may be far apart and yet have near low bits (`isNear`).
     /// @throws ResourceError for more than 2^32 cells.
     bool sort(const std::vector<Home>& homes, const Body* bodies, float least, float largest,
               Side side);

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -57,8 +58,10 @@ public:
     }
 
     DensifyResult<Dim> run() {
-        result_.apart = moving_ == 0 || ranks_ || isApart();
-        if (moving_ > 0) {
+        result_.apart = moving_ == 0 || ranks_ || options_.settle || isApart();
+        if (moving_ > 0 && options_.settle) {
+            settle();
+        } else if (moving_ > 0) {
             const PeriodicCell<Dim> cell = domain_->cell();
             Ascent ascent(
                 *this, paces_,
@@ -70,7 +73,7 @@ public:
             else if (!result_.apart)
                 attempt(result_.before, paces_.all());  // adds no sphere: any pace may succeed
         }
-        if (moved_ && options_.contacts && !result_.interrupted) drawTogether();
+        if (moved_ && options_.contacts && !options_.settle && !result_.interrupted) drawTogether();
         result_.after = reached();
         result_.reached = result_.apart && result_.after >= options_.fraction - kFractionRounding;
         if (ranks_) {
@@ -242,20 +245,44 @@ private:
         return outcome.apart;
     }
 
+    void settle() {
+        // In radii along each axis. Less, where a few spheres in a narrow place did not find room.
+        constexpr std::array<double, 3> kWays{0.15, 0.05, 0.015};
+        for (const double way : kWays) {
+            std::vector<Sphere<Dim>> spheres = result_.spheres;
+            stir(options_.seed + stage++, *domain_, options_.fixed, result_.labels, spheres, way);
+            result_.apart = relaxOnce(std::move(spheres), "settle",
+                                      [&](Relaxation<Dim>& relaxation, const auto& onStep) {
+                                          return relaxation.settle(callbacks_, onStep);
+                                      });
+            if (result_.apart || result_.interrupted) return;
+        }
+    }
+
     /// Draws near spheres together. Where that leaves overlaps, the pack stays as it is.
     void drawTogether() {
-        std::vector<Sphere<Dim>> spheres = result_.spheres;
+        relaxOnce(result_.spheres, "densify, contacts",
+                  [&](Relaxation<Dim>& relaxation, const auto& onStep) {
+                      return relaxation.drawTogether(callbacks_, onStep);
+                  });
+    }
+
+    /// The result is what `work` makes of spheres, unless that leaves overlaps. @return whether it
+    /// is
+    template <class Work>
+    bool relaxOnce(std::vector<Sphere<Dim>> spheres, const char* name, const Work& work) {
         const auto onStep = [&](double done) {
-            callbacks_.report("densify, contacts", done, static_cast<double>(spheres.size()));
+            callbacks_.report(name, done, static_cast<double>(spheres.size()));
         };
-        const bool apart = relax(
-            spheres, result_.regions, result_.labels, homes_, [&](Relaxation<Dim>& relaxation) {
-                const auto outcome = relaxation.drawTogether(callbacks_, onStep);
-                result_.steps += static_cast<std::uint64_t>(outcome.steps);
-                result_.interrupted = outcome.interrupted;
-                return outcome.apart;
-            });
+        const bool apart = relax(spheres, result_.regions, result_.labels, homes_,
+                                 [&](Relaxation<Dim>& relaxation) {
+                                     const auto outcome = work(relaxation, onStep);
+                                     result_.steps += static_cast<std::uint64_t>(outcome.steps);
+                                     result_.interrupted = outcome.interrupted;
+                                     return outcome.apart;
+                                 });
         if (apart) result_.spheres = std::move(spheres);
+        return apart;
     }
 
     /// Moves spheres by `work(relaxation)`, which returns whether no overlap is left. If so,
@@ -296,9 +323,8 @@ private:
                                    options_.seed + stage, local_ != nullptr);
         if (boundary_) relaxation.keepTo(*boundary_, isInside_);
         if (!work(relaxation)) return false;
-        const auto moved = relaxation.spheres();
-        for (std::size_t i = 0; i < moved.size(); ++i) spheres[i].center = moved[i].center;
-        for (std::size_t i = places_.size(); i < moved.size(); ++i)
+        relaxation.move(spheres);
+        for (std::size_t i = places_.size(); i < spheres.size(); ++i)
             places_.push_back(static_cast<std::uint32_t>(i));
         std::vector<std::uint32_t> places = relaxation.places();
         for (std::uint32_t& place : places) place = places_[place];

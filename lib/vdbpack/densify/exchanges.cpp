@@ -17,93 +17,123 @@ constexpr std::uint64_t kRanks = 20;
 constexpr float kAlike = 0.1f;
 /// Where spheres with the worst overlaps exchange, the least squeezed of so many smaller ones is
 /// taken.
-constexpr std::uint32_t kLooser = 100;
+constexpr std::uint32_t kLooser = 100, kFarLooser = 300;
 
 }  // namespace
 
 template <int Dim>
-void Relaxation<Dim>::swapRun(Run& run) {
+void Relaxation<Dim>::swapRun(Run& run, const std::vector<Squeezed>& squeezed) {
+    std::vector<Body>& next = now_.before;  // where the step has put them
     const auto n = static_cast<std::uint32_t>(run.ranks.size());
     const std::uint64_t key = mix64(seed_ ^ mix64(clock_ * 0x9e3779b97f4a7c15ull + run.number));
-    for (std::uint32_t k = 0; k + 1 < n; ++k) {
-        const auto l = k + 1 + static_cast<std::uint32_t>(mix64(key + k) % kRanks);
-        if (l >= n) continue;
-        const std::uint32_t a = run.ranks[k], b = run.ranks[l];
-        const Body &small = now_.bodies[a], &big = now_.bodies[b];
-        const float more = big.radius - small.radius;
-        const float pSmall = now_.motions[a].squeeze, pBig = now_.motions[b].squeeze;
-        if (!(more > 0 && pBig > 0 && touching_[a] >= 0 && touching_[b] >= 0 &&
-              more <= kAlike * small.radius &&
-              pBig - pSmall > 0.5f * (touching_[a] + touching_[b]) * more))
-            continue;
-        if (!isAlike(a, b)) continue;
-        exchange(run, k, l);
-    }
+    // Pairs without a common sphere: of every other block of `stride` ranks, and the next one.
+    const auto stride = 1 + static_cast<std::uint32_t>(key % kRanks);
+    const auto offset = static_cast<std::uint32_t>((key >> 32) % (2 * stride));
+    for (std::uint32_t block = 0; block < n + offset; block += 2 * stride)
+        for (std::uint32_t k = std::max(block, offset) - offset;
+             k + offset < block + stride && k + stride < n; ++k) {
+            const std::uint32_t a = run.ranks[k], b = run.ranks[k + stride];
+            const float radius = next[a].radius;
+            const float more = next[b].radius - radius;  // negative within a class of radii
+            const Squeezed &small = squeezed[a - run.first], &big = squeezed[b - run.first];
+            if (more > 0 && big.squeeze > 0 &&
+                big.squeeze - small.squeeze > 0.5f * (small.touching + big.touching) * more &&
+                more <= kAlike * radius && isAlike(a, b) &&
+                !(settling_ && (run.isBetweenWalls(a) || run.isBetweenWalls(b)))) {
+                exchange(run, k, k + stride, next);
+                run.exchanged.emplace_back(a, b);
+            }
+        }
 }
 
 template <int Dim>
-void Relaxation<Dim>::exchange(Run& run, std::uint32_t k, std::uint32_t l) {
+void Relaxation<Dim>::exchange(Run& run, std::uint32_t k, std::uint32_t l,
+                               std::vector<Body>& bodies) {
     const std::uint32_t a = run.ranks[k], b = run.ranks[l];
-    Body &small = now_.bodies[a], &big = now_.bodies[b];
-    const float more = big.radius - small.radius;
-    std::swap(small.radius, big.radius);
-    std::swap(now_.labels[a], now_.labels[b]);
+    const float more = bodies[b].radius - bodies[a].radius;
+    std::swap(bodies[a].radius, bodies[b].radius);
     std::swap(run.ranks[k], run.ranks[l]);
-    touching_[a] = touching_[b] = -1;  // once per step: their squeezes are outdated
+    now_.listed[a].radius -= more * listGrow_;
+    now_.listed[b].radius += more * listGrow_;
     now_.vicinities[a].roam -= more;
-    run.grown = std::max(run.grown, (small.radius - listedRadii_[a]) / unitOf(listedRadii_[a]));
+    if (isBeyond(now_.listed[a], bodies[a])) run.expired = true;
 }
 
 template <int Dim>
-float Relaxation<Dim>::worstOf(const Run& run, std::uint32_t slot) const {
+void Relaxation<Dim>::exchangeLabels(std::uint32_t a, std::uint32_t b) {
+    std::swap(now_.labels[a], now_.labels[b]);
+}
+
+template <int Dim>
+typename Relaxation<Dim>::Strain Relaxation<Dim>::strainOf(const Run& run,
+                                                           std::size_t member) const {
+    const std::uint32_t slot = run.members[member];
     const Body& body = now_.bodies[slot];
     const float grow = 1 + delta_;
-    float worst = 0;
-    const std::uint32_t k = slot - run.first;
-    for (std::uint32_t e = k > 0 ? run.ends[k - 1] : 0; e < run.ends[k]; ++e) {
-        if (run.ids[e] == slot) continue;
-        const Body& other = now_.bodies[run.ids[e]];
+    Strain strain;
+    const auto add = [&](float overlap, float reach) {
+        strain.worst = std::max(strain.worst, overlap);
+        strain.squeeze += std::max(overlap, 0.0f) * reach;
+    };
+    const std::size_t eight = member / kLanes;
+    for (std::uint32_t e = eight > 0 ? run.ends[eight - 1] : 0; e < run.ends[eight]; e += kLanes) {
+        const Body& other = now_.bodies[run.ids[e + member % kLanes]];
         const float dx = difference(other.x, body.x), dy = difference(other.y, body.y),
                     dz = difference(other.z, body.z);
         const float reach = (other.radius + body.radius) * grow;
-        worst = std::max(worst, reach / std::sqrt(dx * dx + dy * dy + dz * dz) - 1);
+        add(reach * inverseRoot(dx * dx + dy * dy + dz * dz) - 1, reach);
     }
+    const std::uint32_t k = slot - run.first;
     for (std::uint32_t p = k > 0 ? run.planeEnds[k - 1] : 0; p < run.planeEnds[k]; ++p) {
         const float reach = body.radius * grow;
-        worst = std::max(worst, run.planes[p].overlap(run.planes[p].distance(body), reach));
+        add(run.planes[p].overlap(run.planes[p].distance(body), reach), reach);
+        if (settling_) strain.squeeze += reach;  // a place between walls does not give way
     }
-    return worst;
+    return strain;
 }
 
 template <int Dim>
 void Relaxation<Dim>::loosen(float worst) {
     const float least = std::max(0.5f * worst, delta_);
-    std::vector<std::vector<std::uint32_t>> stuck(runs_.size());  // ranks in each run
-    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
-        const Run& run = runs_[k];
+    std::vector<std::vector<Strain>> all(runs_.size());  // by slots, before any are exchanged
+    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t r) {
+        const Run& run = runs_[r];
         if (!(run.worst > least)) return;
-        for (std::uint32_t rank = 0; rank < run.ranks.size(); ++rank)
-            if (worstOf(run, run.ranks[rank]) > least) stuck[k].push_back(rank);
+        all[r].resize(run.last - run.first);
+        for (std::size_t m = 0; m < run.ranks.size(); ++m)
+            all[r][run.members[m] - run.first] = strainOf(run, m);
     });
-    for (std::size_t k = 0; k < runs_.size(); ++k)
-        for (const std::uint32_t rank : stuck[k]) {
-            Run& run = runs_[k];
+    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t r) {
+        Run& run = runs_[r];
+        const std::vector<Strain>& strains = all[r];
+        if (strains.empty()) return;
+        for (std::uint32_t rank = 0; rank < run.ranks.size(); ++rank) {
             const std::uint32_t big = run.ranks[rank];
-            if (touching_[big] < 0) continue;
+            if (!(strains[big - run.first].worst > least)) continue;
             std::uint32_t best = rank;
-            for (std::uint32_t l = rank; l-- > 0 && rank - l <= kLooser;) {
+            // So much smaller that the overlap is none, if there is one.
+            const float fits = now_.bodies[big].radius * (1 - strains[big - run.first].worst);
+            std::uint32_t l = rank;
+            while (l > 0 && rank - l < kFarLooser && now_.bodies[run.ranks[l]].radius > fits) --l;
+            for (const std::uint32_t first = ++l; l-- > 0 && first - l <= kLooser;) {
                 const std::uint32_t small = run.ranks[l];
-                if (touching_[small] >= 0 && isAlike(small, big) &&
-                    now_.motions[small].squeeze < now_.motions[run.ranks[best]].squeeze)
+                if (now_.bodies[small].radius < now_.bodies[big].radius && isAlike(small, big) &&
+                    strains[small - run.first].squeeze <
+                        strains[run.ranks[best] - run.first].squeeze)
                     best = l;
             }
-            if (best != rank) exchange(run, best, rank);
+            if (best == rank) continue;
+            exchangeLabels(run.ranks[best], big);
+            exchange(run, best, rank, now_.bodies);
         }
+    });
 }
 
-template void Relaxation<2>::swapRun(Run&);
+template void Relaxation<2>::swapRun(Run&, const std::vector<Squeezed>&);
+template void Relaxation<2>::exchangeLabels(std::uint32_t, std::uint32_t);
 template void Relaxation<2>::loosen(float);
-template void Relaxation<3>::swapRun(Run&);
+template void Relaxation<3>::swapRun(Run&, const std::vector<Squeezed>&);
+template void Relaxation<3>::exchangeLabels(std::uint32_t, std::uint32_t);
 template void Relaxation<3>::loosen(float);
 
 }  // namespace vdbpack

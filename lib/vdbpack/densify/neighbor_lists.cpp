@@ -11,17 +11,30 @@ namespace vdbpack {
 
 namespace {
 
-/// Gap up to which neighbors are listed, in smallest radii: such that a list lasts for about
-/// kListSteps steps of the fastest sphere. A list with a gap kFarMore times too large is rebuilt.
-constexpr float kLeastSkin = 0.15f, kMostSkin = 0.7f, kListSteps = 10, kFarMore = 1.6f;
+/// Margins: what the fastest sphere goes in kShare steps for all, in smallest radii at least
+/// kLeastMargin, and for each sphere what it goes itself in kAhead steps, up to kMostMargin. Lists
+/// kFarMore times too long are made again.
+constexpr float kShare = 8, kAhead = 16, kLeastMargin = 0.1f, kMostMargin = 0.7f, kFarMore = 1.6f;
 /// Worst overlap above which walls are queried less often.
 constexpr double kRough = 0.05;
 /// Way that a sphere goes along a wall before the next query, in its radii: while overlaps are
 /// large, and when they are small.
 constexpr float kRoughSlide = 0.3f, kFineSlide = 0.05f;
 
+constexpr std::uint32_t kRadiusBits = 13;
+
 float square(float v) {
     return v * v;
+}
+
+/// Numbers 0, 1, ... by their classes (below `classes`), and within a class by themselves.
+template <class ClassOf>
+void sortByClass(std::vector<std::uint32_t>& numbers, std::uint32_t classes,
+                 const ClassOf& classOf) {
+    std::vector<std::uint32_t> of(numbers.size()), next(classes + 1);
+    for (std::uint32_t k = 0; k < numbers.size(); ++k) ++next[(of[k] = classOf(k)) + 1];
+    for (std::uint32_t c = 0; c < classes; ++c) next[c + 1] += next[c];
+    for (std::uint32_t k = 0; k < numbers.size(); ++k) numbers[next[of[k]]++] = k;
 }
 
 }  // namespace
@@ -35,25 +48,22 @@ void Relaxation<Dim>::moveHomes() {
         for (std::size_t d = 0; d < 3; ++d) way += square(static_cast<float>(at[d] - home[d]));
         now_.vicinities[i].roam -= std::sqrt(way);
         home = at;
+        now_.listed[i] = {now_.bodies[i].x, now_.bodies[i].y, now_.bodies[i].z,
+                          marginOf(static_cast<std::uint32_t>(i))};
     });
 }
 
 template <int Dim>
 void Relaxation<Dim>::sort() {
+    setMargins();
     if (ranks_) return sortOverRanks();
     moveHomes();
     if (cell_.any()) addImages();
-    const std::size_t n = now_.labels.size();
     wraps_ = cells_.sort(
         now_.homes, now_.bodies.data(), smallest_, most_,
         {2 * (1 + static_cast<double>(delta_)) + 2 * static_cast<double>(listedGrow() - listGrow_),
          static_cast<double>(listedGap())});
-    forAll(n, [&](std::size_t to) {
-        const std::uint32_t i = cells_.order()[to];
-        sorted_.take(to, now_, i);
-        listedRadii_[to] = now_.bodies[i].radius;
-    });
-    std::swap(now_, sorted_);
+    now_.sort([&](std::size_t to) { return cells_.order()[to]; });
     if (cell_.any()) findImages(cells_.order());
 }
 
@@ -63,48 +73,40 @@ void Relaxation<Dim>::rebuild(bool rough) {
     sort();
     askWalls();
     listNeighbors();
-    spent_ = 0;
     listed_ = 0;
 }
 
 template <int Dim>
-void Relaxation<Dim>::renewLists(const Extremes& all, float fastest, float cap, double worst) {
-    const float wanted = std::clamp(2 * kListSteps * std::sqrt(fastest), kLeastSkin * least_,
-                                    std::max(kMostSkin * least_, 3 * cap));
-    const bool tooLong = static_cast<float>(listed_) > kListSteps && skin_ > kFarMore * wanted;
-    if (!listsExpired(all) && !tooLong) return;
-    skin_ = wanted;
-    rebuild(worst > kRough);
+void Relaxation<Dim>::setMargins() {
+    const float speed = std::sqrt(fastest_);
+    marginBase_ = std::clamp(kShare * speed, kLeastMargin * least_, kMostMargin * least_);
+    marginMost_ = std::min(kMostMargin * least_, marginBase_ + kAhead * speed);
 }
 
 template <int Dim>
-bool Relaxation<Dim>::listsExpired(const Extremes& all) {
-    if (all.coincides && listed_ > 0) return true;
-    const float most = 0.5f * skin_ * 0.999f;
-    if (spent_ + all.grown <= most) return false;
-    // No sphere has moved by more than the sum of the largest steps; most have moved by less.
-    std::vector<float> moved(runs_.size());
-    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
-        float way = 0;
-        for (std::uint32_t i = runs_[k].first; i < runs_[k].last; ++i) {
-            const Home& home = now_.homes[i];
-            const Body& body = now_.bodies[i];
-            const float own = square(difference(body.x, lowBits(home[0]))) +
-                              square(difference(body.y, lowBits(home[1]))) +
-                              square(difference(body.z, lowBits(home[2])));
-            way = std::max(way, own / square(unitOf(listedRadii_[i])));
-        }
-        moved[k] = std::sqrt(way);
-    });
-    Extremes way;
-    for (const float m : moved) way.moved = std::max(way.moved, m);
-    spent_ = agreed(way).moved;
-    return spent_ + all.grown > most;
+float Relaxation<Dim>::marginOf(std::uint32_t slot) const {
+    if (isFixed(now_.labels[slot])) return 0;
+    const Body &body = now_.bodies[slot], &before = now_.before[slot];
+    const float speed =
+        std::sqrt(square(difference(body.x, before.x)) + square(difference(body.y, before.y)) +
+                  square(difference(body.z, before.z)));
+    const float unit = unitOf(body.radius);
+    return std::min(unit * marginMost_, unit * marginBase_ + kAhead * speed);
+}
+
+template <int Dim>
+void Relaxation<Dim>::renewLists(const Extremes& all, double worst) {
+    const float wanted = std::clamp((kShare + kAhead) * std::sqrt(fastest_), kLeastMargin * least_,
+                                    kMostMargin * least_);
+    const bool tooLong = static_cast<float>(listed_) > kAhead && marginMost_ > kFarMore * wanted;
+    if (!all.expired && !(all.coincides && listed_ > 0) && !tooLong) return;
+    rebuild(worst > kRough);
 }
 
 template <int Dim>
 void Relaxation<Dim>::listNeighbors() {
     const auto n = static_cast<std::uint32_t>(now_.labels.size());
+    now_.bodies[n] = now_.before[n] = {0, 0, 0, -1e30f};
     if (ranks_) {
         // Own slots of a run stand one after another.
         std::size_t runs = 0;
@@ -129,19 +131,19 @@ void Relaxation<Dim>::listNeighbors() {
     }
     parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
         Run& run = runs_[k];
-        listRun(run);
         listPlanes(run);
+        listRun(run);
     });
 }
 
 template <int Dim>
 void Relaxation<Dim>::listRun(Run& run) {
-    run.ids.clear();
     run.ends.clear();
     run.ranks.clear();
-    run.grown = 0;
+    run.expired = false;
     run.coincides = false;
     Candidates around;
+    around.listed.clear();
     for (std::uint32_t i = run.first; i < run.last;) {
         // All slots of a cell have the same candidates.
         const std::uint32_t cell = cells_.cellOf(i);
@@ -154,26 +156,76 @@ void Relaxation<Dim>::listRun(Run& run) {
                 collected = true;
                 run.ranks.push_back(slot);
                 listSlot(run, slot, around);
+            } else {
+                now_.before[slot] = now_.bodies[slot];
             }
-            run.ends.push_back(static_cast<std::uint32_t>(run.ids.size()));
         }
         i = end;
     }
+    const std::vector<std::uint32_t> listed = run.ranks;
     rankRun(run);
+    run.members.clear();
+    run.wallMembers = 0;
+    if (!listed.empty()) interleave(run, listed, around);
+}
+
+/// @param slots  of the lists in `lists`.
+template <int Dim>
+void Relaxation<Dim>::interleave(Run& run, const std::vector<std::uint32_t>& slots,
+                                 const Candidates& lists) {
+    const auto begin = [&](std::uint32_t k) { return k > 0 ? lists.ends[k - 1] : 0; };
+    const auto hasWall = [&](std::uint32_t k) {
+        const std::uint32_t s = slots[k] - run.first;
+        return run.planeEnds[s] > (s > 0 ? run.planeEnds[s - 1] : 0) ||
+               (!run.edgeEnds.empty() && run.edgeEnds[s] > (s > 0 ? run.edgeEnds[s - 1] : 0));
+    };
+    std::vector<std::uint32_t> order(slots.size());
+    std::size_t walls = 0;
+    std::uint32_t most = 0;
+    for (std::uint32_t k = 0; k < slots.size(); ++k)
+        most = std::max(most, lists.ends[k] - begin(k));
+    sortByClass(order, 2 * (most + 1), [&](std::uint32_t k) {
+        const bool wall = hasWall(k);
+        walls += wall;
+        return (wall ? 0 : most + 1) + most - (lists.ends[k] - begin(k));
+    });
+    order.resize(padded(order.size()), order.back());
+    run.wallMembers = walls;
+    run.members.resize(order.size());
+    std::uint32_t end = 0;
+    for (std::size_t m = 0; m < order.size(); m += 8) {
+        std::uint32_t rows = 0;
+        for (std::size_t l = 0; l < 8; ++l) {
+            const std::uint32_t k = order[m + l];
+            run.members[m + l] = slots[k];
+            rows = std::max(rows, lists.ends[k] - begin(k));
+        }
+        run.ends.push_back(end += rows * 8);
+    }
+    run.ids.assign(end, nobody());
+    for (std::size_t m = 0; m < order.size(); ++m) {
+        const std::uint32_t k = order[m];
+        std::uint32_t* to = run.ids.data() + (m < 8 ? 0 : run.ends[m / 8 - 1]) + m % 8;
+        for (std::uint32_t e = begin(k); e < lists.ends[k]; ++e, to += 8) *to = lists.listed[e];
+    }
 }
 
 template <int Dim>
 void Relaxation<Dim>::rankRun(Run& run) {
     // By region, radius and slot: bits of positive floats are in the order of their values.
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
-    keys.reserve(run.ranks.size());
-    for (const std::uint32_t slot : run.ranks) {
-        const std::uint64_t region =
-            regions_.empty() ? 0 : static_cast<std::uint32_t>(regions_[now_.labels[slot]]);
-        keys.emplace_back(region << 32 | bitsAs<std::uint32_t>(now_.bodies[slot].radius), slot);
-    }
-    std::sort(keys.begin(), keys.end());
-    for (std::size_t k = 0; k < keys.size(); ++k) run.ranks[k] = keys[k].second;
+    // Classes of 0.1 % or less of the radii: bits of positive floats are in the order of their
+    // values.
+    const auto bits = [](float radius) { return bitsAs<std::uint32_t>(radius); };
+    const std::uint32_t least = bits(smallest_) >> kRadiusBits;
+    const std::vector<std::uint32_t> slots = run.ranks;
+    sortByClass(run.ranks, (bits(most_) >> kRadiusBits) - least + 1, [&](std::uint32_t k) {
+        return (bits(now_.bodies[slots[k]].radius) >> kRadiusBits) - least;
+    });
+    for (std::uint32_t& k : run.ranks) k = slots[k];
+    if (regions_.empty()) return;
+    std::stable_sort(run.ranks.begin(), run.ranks.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return regions_[now_.labels[a]] < regions_[now_.labels[b]];
+    });
 }
 
 template <int Dim>
@@ -194,15 +246,16 @@ void Relaxation<Dim>::collect(std::uint32_t first, std::uint32_t last, Candidate
                                  static_cast<double>(listedGrow()) * (1 + 1e-6) +
                              static_cast<double>(listedGap());
         cells_.forEachRow(level, lo, hi, reach, [&](std::uint32_t from, std::uint32_t to) {
-            around.add(now_.bodies.data(), from, to);
+            around.add(now_.bodies.data(), now_.listed.data(), from, to);
         });
     }
 }
 
 template <int Dim>
 void Relaxation<Dim>::listSlot(Run& run, std::uint32_t slot, Candidates& around) {
-    const float grow = listedGrow(), gap = listedGap();
+    const float grow = listGrow_;
     const Body body = now_.bodies[slot];
+    const float gap = now_.listed[slot].radius;
     std::uint32_t* const found = around.found.data();
     std::uint32_t count = 0;
     int coinciding = 0;
@@ -212,7 +265,7 @@ void Relaxation<Dim>::listSlot(Run& run, std::uint32_t slot, Candidates& around)
         const Float8 dy = difference(other.y, body.y);
         const Float8 dz = difference(other.z, body.z);
         const Float8 d2 = dx * dx + dy * dy + dz * dz;
-        const Float8 near = (other.radius + body.radius) * grow + gap;
+        const Float8 near = (other.radius + body.radius) * grow + (around.marginsAt(j) + gap);
         unsigned bits = bitsOf(d2 < near * near);
         if (around.count - j < 8) bits &= (1u << (around.count - j)) - 1;
         const unsigned same = bitsOf(d2 == 0) & bits;
@@ -228,8 +281,8 @@ void Relaxation<Dim>::listSlot(Run& run, std::uint32_t slot, Candidates& around)
                 found, found + count,
                 [&](std::uint32_t k) { return !isNear(now_.homes[slot], now_.homes[k]); }) -
             found);
-    while (count % 8 != 0) found[count++] = slot;
-    run.ids.insert(run.ids.end(), found, found + count);
+    around.listed.insert(around.listed.end(), found, found + count);
+    around.ends.push_back(static_cast<std::uint32_t>(around.listed.size()));
 }
 
 template <int Dim>
@@ -250,19 +303,23 @@ template <int Dim>
 void Relaxation<Dim>::part(std::uint32_t slot, std::uint32_t other) {
     // Two centers at the same point define no direction: a random one is taken.
     RandomStream random(seed_ + clock_, now_.labels[slot]);
-    Motion& motion = now_.motions[slot];
+    Body& before = now_.before[slot];
     const float by = 0.01f * now_.bodies[slot].radius * (slot < other ? 1.0f : -1.0f);
-    motion.x += by * static_cast<float>(random.uniform() - 0.5);
-    motion.y += by * static_cast<float>(random.uniform() - 0.5);
-    if (Dim > 2) motion.z += by * static_cast<float>(random.uniform() - 0.5);
+    for (std::uint32_t* at : {&before.x, &before.y, &before.z}) {
+        if (Dim == 2 && at == &before.z) break;
+        *at -= static_cast<std::uint32_t>(
+            static_cast<std::int32_t>(by * static_cast<float>(random.uniform() - 0.5)));
+    }
 }
 
 template void Relaxation<2>::sort();
 template void Relaxation<2>::rebuild(bool);
-template void Relaxation<2>::renewLists(const Extremes&, float, float, double);
+template void Relaxation<2>::renewLists(const Extremes&, double);
+template void Relaxation<2>::setMargins();
 template void Relaxation<3>::sort();
 template void Relaxation<3>::rebuild(bool);
-template void Relaxation<3>::renewLists(const Extremes&, float, float, double);
+template void Relaxation<3>::renewLists(const Extremes&, double);
+template void Relaxation<3>::setMargins();
 template void Relaxation<2>::moveHomes();
 template void Relaxation<3>::moveHomes();
 

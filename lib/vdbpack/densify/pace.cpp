@@ -26,21 +26,19 @@ bool areNearlyEqual(const std::vector<double>& radii, Ranks* ranks) {
 }  // namespace
 
 // Gains measured on spheres of size ratio 2 in a box.
-const Paces::Steps Paces::kWide{{{0.97, 0.07, 3}, 0.018},
-                                {{0.98, 0.15, 3}, 0.032},
-                                {{0.99, 0.20, 3}, 0.045},
-                                {{0.995, 0.25, 3}, 1}};
+const Paces::Steps Paces::kWide{{{0.97, 0.07, 1, 0.01}, 0.018},
+                                {{0.98, 0.15, 1, 0.01}, 0.032},
+                                {{0.99, 0.20}, 0.045},
+                                {{0.995, 0.25}, 1}};
 // Equal spheres crystallize the less, the smaller the cap and the inertia are that suffice.
 // Vertebra, radius 0.72 mm, from 0.576 to 0.60 at an inertia of 0.97: 0.5, 0.7, 1.0, 1.9 and 2.5 %
 // in crystalline order at caps of 0.02, 0.04, 0.07, 0.15 and 0.3; to 0.61 at a cap of 0.02: 2.2,
 // 1.7 and 3.1 % at 0.98, 0.99 and 0.995.
-const Paces::Steps Paces::kEqual{{{0.97, 0.04, 3}, 0.025},   {{0.98, 0.02, 3}, 0.030},
-                                 {{0.99, 0.02, 3}, 0.036},   {{0.995, 0.03, 3}, 0.0415},
-                                 {{0.997, 0.03, 3}, 0.0435}, {{0.99, 0.20, 3}, 1}};
-const Paces::Steps Paces::kCircles{{{0.97, 0.07, 3}, 0.02},
-                                   {{0.98, 0.07, 3}, 0.045},
-                                   {{0.98, 0.15, 3}, 0.05},
-                                   {{0.99, 0.20, 3}, 1}};
+const Paces::Steps Paces::kEqual{
+    {{0.97, 0.04}, 0.025},   {{0.98, 0.02}, 0.030},   {{0.99, 0.02}, 0.036}, {{0.995, 0.02}, 0.036},
+    {{0.995, 0.03}, 0.0415}, {{0.997, 0.03}, 0.0435}, {{0.99, 0.20}, 1}};
+const Paces::Steps Paces::kCircles{
+    {{0.97, 0.07}, 0.02}, {{0.98, 0.07}, 0.045}, {{0.98, 0.15}, 0.05}, {{0.99, 0.20}, 1}};
 
 Paces::Paces(int dim, const std::vector<double>& radii, Ranks* ranks)
     : steps_(!areNearlyEqual(radii, ranks) ? &kWide

@@ -27,6 +27,8 @@ public:
     std::vector<RelaxationPace> randomForGain(double gain) const {
         return from(firstFor(gain), randomCount());
     }
+    /// Whether spheres (circles) of different sizes are packed.
+    bool differInSize() const { return steps_ == &kWide; }
     /// Whether nearly equal spheres are packed.
     bool areEqualSpheres() const { return steps_ == &kEqual; }
     /// Whether circles of nearly equal size are packed.

@@ -22,6 +22,8 @@ constexpr double kDelta = 4e-4;
 constexpr float kPush = 0.3f;
 /// Overlaps below this share of delta are none of the true radii, with a margin for rounding.
 constexpr float kApart = 0.97f;
+/// Share of its velocity that a sphere keeps besides where motion is damped.
+constexpr float kTurning = 0.7f;
 /// Where the worst overlap is small, and yet falls by less than the factor kStays in half a memory,
 /// the spheres that have it exchange positions with smaller ones.
 constexpr float kNearlyApart = 0.01f, kStays = 0.8f;
@@ -42,11 +44,11 @@ double quantumOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks) {
                     std::exp2(std::ceil(std::log2(most)) - 27));
 }
 
-/// Whether a relaxation is stuck with a few overlaps, asked in every step with exchanges.
+/// Whether a relaxation is stuck with a few overlaps, asked in every step.
 class Stuck {
 public:
     explicit Stuck(const RelaxationPace& pace)
-        : every_(static_cast<int>(0.5 / (1 - pace.inertia) / std::max(1, pace.swapEvery)) + 1) {}
+        : every_(static_cast<int>(0.5 / (1 - pace.inertia)) + 1) {}
 
     bool isStuck(float worst) {
         if (++steps_ < every_) return false;
@@ -57,7 +59,7 @@ public:
     }
 
 private:
-    int every_;  // steps with exchanges in half a memory
+    int every_;  // steps in half a memory
     int steps_ = 0;
     float before_ = 1;  // the worst overlap then
 };
@@ -67,8 +69,9 @@ private:
 template <int Dim>
 void Relaxation<Dim>::Slots::resize(std::size_t n) {
     bodies.resize(n + 8);  // whole eights may be read
-    motions.resize(n);
+    before.resize(n + 8);
     homes.resize(n);
+    listed.resize(n + 8);
     labels.resize(n);
     places.resize(n);
     vicinities.resize(n);
@@ -80,7 +83,7 @@ Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<
                             std::uint64_t seed, bool graded)
     : quantum_(quantumOf(spheres, nullptr)),
       cell_(domain.cell()),
-      given_(spheres),
+      given_(spheres.size()),
       regions_(regions),
       fixed_(static_cast<std::uint32_t>(fixed)),
       seed_(seed),
@@ -143,16 +146,22 @@ void Relaxation<Dim>::setRadii(const std::vector<Sphere<Dim>>& spheres) {
     least_ = static_cast<float>(least / quantum_);
     most_ = static_cast<float>(most / quantum_);
     smallest_ = static_cast<float>(smallest / quantum_);
+    perLeast_ = 1 / least_;
+    setDelta(kDelta);
+    setMargins();
+}
+
+template <int Dim>
+void Relaxation<Dim>::setDelta(double delta) {
     // Rounding to whole quanta must not matter.
-    delta_ = static_cast<float>(std::max(kDelta, 100.0 / static_cast<double>(least_)));
+    delta_ = static_cast<float>(std::max(delta, 100.0 / static_cast<double>(least_)));
     listGrow_ = 1 + delta_;
-    skin_ = 0.5f * least_;
 }
 
 template <int Dim>
 void Relaxation<Dim>::placeSlots(const std::vector<Sphere<Dim>>& spheres) {
     const std::size_t n = spheres.size();
-    resizeSlots(n);
+    now_.resize(n);
     forAll(n, [&](std::size_t i) {
         Home& home = now_.homes[i];
         home = {};
@@ -161,7 +170,7 @@ void Relaxation<Dim>::placeSlots(const std::vector<Sphere<Dim>>& spheres) {
                 static_cast<std::int64_t>(std::nearbyint(spheres[i].center[d] / quantum_));
         now_.bodies[i] = {lowBits(home[0]), lowBits(home[1]), lowBits(home[2]),
                           static_cast<float>(spheres[i].radius / quantum_)};
-        now_.motions[i] = {};
+        now_.before[i] = now_.bodies[i];
         now_.labels[i] = now_.places[i] = static_cast<std::uint32_t>(i);
         now_.vicinities[i] = {};
         if (i < fixed_) now_.vicinities[i].roam = std::numeric_limits<float>::infinity();
@@ -169,33 +178,22 @@ void Relaxation<Dim>::placeSlots(const std::vector<Sphere<Dim>>& spheres) {
 }
 
 template <int Dim>
-void Relaxation<Dim>::resizeSlots(std::size_t n) {
-    now_.resize(n);
-    sorted_.resize(n);
-    next_.resize(n + 8);
-    listedRadii_.resize(n);
-    touching_.resize(n);
-}
-
-template <int Dim>
 Relaxation<Dim>::~Relaxation() = default;
 
 template <int Dim>
-std::vector<Sphere<Dim>> Relaxation<Dim>::spheres() const {
-    std::vector<Sphere<Dim>> spheres = given_;
-    if (!ready_) return spheres;
+void Relaxation<Dim>::move(std::vector<Sphere<Dim>>& spheres) const {
+    if (!ready_) return;
     forAll(now_.labels.size(), [&](std::size_t i) {
         const std::uint32_t label = now_.labels[i];
         if (!isFixed(label))
             spheres[label].center =
                 walls_.position(wrapped(whereIs(now_.homes[i], now_.bodies[i])));
     });
-    return spheres;
 }
 
 template <int Dim>
 std::vector<std::uint32_t> Relaxation<Dim>::places() const {
-    std::vector<std::uint32_t> places(given_.size());
+    std::vector<std::uint32_t> places(given_);
     std::iota(places.begin(), places.end(), 0u);
     if (ready_)
         for (std::size_t i = 0; i < now_.labels.size(); ++i)
@@ -204,14 +202,12 @@ std::vector<std::uint32_t> Relaxation<Dim>::places() const {
 }
 
 template <int Dim>
-float Relaxation<Dim>::stepAll(const Step& step, float& fastest) {
+float Relaxation<Dim>::stepAll(const RelaxationStep& step) {
     parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
-        if (step.exchanges)
-            stepRun<true, false>(runs_[k], step);
-        else if (step.range > 1)
-            stepRun<false, true>(runs_[k], step);
+        if (step.range > 1)
+            stepRun<true>(runs_[k], step);
         else
-            stepRun<false, false>(runs_[k], step);
+            stepRun<false>(runs_[k], step);
     });
     Extremes all;
     for (const Run& run : runs_) {
@@ -219,7 +215,7 @@ float Relaxation<Dim>::stepAll(const Step& step, float& fastest) {
         all.fastest = std::max(all.fastest, run.fastest);
     }
     all = agreed(all);
-    fastest = all.fastest;
+    fastest_ = all.fastest;
     return all.worst;
 }
 
@@ -229,15 +225,17 @@ typename Relaxation<Dim>::Extremes Relaxation<Dim>::stateOfAll(const Callbacks& 
     all.cancelled = callbacks.isCancelled();
     for (const Run& run : runs_) {
         all.coincides = std::max(all.coincides, std::uint32_t{run.coincides});
-        all.grown = std::max(all.grown, run.grown);
+        all.expired = std::max(all.expired, std::uint32_t{run.expired});
     }
     return agreed(all);
 }
 
 template <int Dim>
-void Relaxation<Dim>::advance(float fastest) {
-    std::swap(now_.bodies, next_);
-    spent_ += std::sqrt(fastest);
+void Relaxation<Dim>::advance() {
+    std::swap(now_.bodies, now_.before);
+    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
+        for (const auto& [a, b] : runs_[k].exchanged) exchangeLabels(a, b);
+    });
     ++listed_;
 }
 
@@ -250,23 +248,21 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
         outcome.apart = true;
         return outcome;
     }
-    Step step;
+    RelaxationStep step;
     step.inertia = static_cast<float>(pace.inertia);
     step.cap = static_cast<float>(pace.cap) * least_;
     step.push = kPush;
     rebuild(true);
     Stuck stuck(pace);
-    float fastest = step.cap * step.cap;  // squared, of the last step
     for (;; ++outcome.steps) {
         const Extremes all = stateOfAll(callbacks);
         if (all.cancelled) {
             outcome.interrupted = true;
             return outcome;
         }
-        renewLists(all, fastest, step.cap, outcome.worst);
-        step.exchanges =
-            pace.swapEvery > 0 && clock_ % static_cast<std::uint64_t>(pace.swapEvery) == 0;
-        const float worst = stepAll(step, fastest);
+        renewLists(all, outcome.worst);
+        step.exchanges = clock_ % static_cast<std::uint64_t>(pace.exchangeEvery) == 0;
+        const float worst = stepAll(step);
         // Of the positions before this step, which is not taken if they are good.
         outcome.worst = std::max(0.0, static_cast<double>(worst - delta_));
         if (worst < kApart * delta_ && keepsWall()) {
@@ -274,15 +270,11 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
             return outcome;
         }
         if (outcome.steps == steps || (goOn && !goOn(outcome.steps, outcome.worst))) return outcome;
-        advance(fastest);
-        if (step.exchanges) {
-            parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) { swapRun(runs_[k]); });
-            refreshNear();
-            if (stuck.isStuck(worst)) {
-                loosen(worst);
-                refreshNear();
-            }
-        } else {
+        if (static_cast<double>(worst) < pace.loose) step.turning = kTurning;
+        advance();
+        refreshNear();
+        if (stuck.isStuck(worst)) {
+            loosen(worst);
             refreshNear();
         }
         ++clock_;

@@ -1,6 +1,7 @@
 // Private to densify: overlapping spheres pushed apart, all at once.
 #pragma once
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/core/rng.h"
@@ -18,6 +19,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -27,15 +29,34 @@ namespace vdbpack {
 struct RelaxationPace {
     double inertia = 0.97;  ///< share of its velocity that a sphere keeps in a step
     double cap = 0.07;      ///< largest step, in smallest radii
-    int swapEvery = 3;      ///< steps between exchanges of positions; 0: none
+    int exchangeEvery = 3;  ///< steps between exchanges of positions
+    /// Once the worst overlap is below this, nothing jams any more, and what is left of the motion
+    /// is damped: a sphere that overlaps push back keeps less of its velocity. (Sooner, packs jam.)
+    double loose = 0.003;
 };
+
+/// How spheres move in a step.
+struct RelaxationStep {
+    float inertia = 0;  ///< share of its velocity that a sphere keeps
+    float turning = 1;  ///< factor on that where overlaps push against the velocity
+    float cap = 0;      ///< largest step, quanta
+    float push = 0;     ///< share of an overlap that a sphere gains as velocity
+    float pull = 0;     ///< gaps count as negative overlaps, but for no more than this
+    float range = 1;    ///< how far they do, in sums of the radii
+    float wallPull = 0, wallRange = 1;  ///< the same of walls, in radii
+    bool exchanges = false;             ///< whether spheres exchange positions
+    bool drifts = true;  ///< where gaps count: whether spheres move on that nothing pushes
+};
+struct PushOfEight;
 
 /// Spheres in a domain that push one another, and are pushed by the wall, until none overlap.
 ///
 /// v <- inertia v + 0.3 F, x <- x + v for all spheres at once, F the sum of the overlaps with
 /// spheres and wall (of radii enlarged by a small share, so that spheres of the true radii end up
-/// apart). Every few steps, two spheres of nearly the same size, of which the larger is squeezed
-/// more, exchange positions. The same on every machine and for any number of threads.
+/// apart). After a step, two spheres of nearly the same size, of which the larger is squeezed
+/// more, exchange positions. Positions are whole, sums go in the order of lists, exchanges are of
+/// pairs without a common sphere, and roots need no more than additions and multiplications: the
+/// same bits on every machine and for any number of threads.
 template <int Dim>
 class Relaxation {
 public:
@@ -83,6 +104,10 @@ public:
     /// @param onStep  called before every step with the share of them that is done.
     Outcome drawTogether(const Callbacks& callbacks,
                          const std::function<void(double)>& onStep = {});
+    /// The same for the spheres of a front that were moved a little at random: they are pushed
+    /// apart until gaps are alike everywhere, so that no direction and no place tells where the
+    /// front began, and then drawn together.
+    Outcome settle(const Callbacks& callbacks, const std::function<void(double)>& onStep = {});
 
     /// A vacancy for each of further spheres: the point with the most room of some points drawn
     /// near a sphere. They may overlap other spheres and one another. Radii in mm.
@@ -109,9 +134,9 @@ public:
     };
     std::vector<Settled> settled() const;
 
-    /// The spheres in the order of the constructor, at their current positions: whole multiples of
-    /// `quantum` except for the fixed ones.
-    std::vector<Sphere<Dim>> spheres() const;
+    /// Moves spheres, in the order of the constructor, to their current positions: whole multiples
+    /// of `quantum` except for the fixed ones.
+    void move(std::vector<Sphere<Dim>>& spheres) const;
     /// For each of them, the number of the sphere that was at first where exchanges have put it.
     std::vector<std::uint32_t> places() const;
     double quantum() const { return quantum_; }
@@ -119,27 +144,35 @@ public:
 private:
     static constexpr std::uint32_t kRun = 1024;  ///< slots that are one task
 
-    /// Velocity, and the squeeze of the last step with exchanges; quanta.
-    struct alignas(16) Motion {
-        float x = 0, y = 0, z = 0;
-        float squeeze = 0;  ///< sum of the overlaps
-    };
-
     /// Positions and the spheres in them, in the order of the cells.
     struct Slots {
         std::vector<Body> bodies;
-        std::vector<Motion> motions;
+        std::vector<Body> before;           ///< where bodies were before the last step
         std::vector<Home> homes;            ///< positions when lists were made, in quanta
+        std::vector<Body> listed;           ///< the same, with the ways from there that the lists
+                                            ///< allow for in place of radii
         std::vector<std::uint32_t> labels;  ///< number of the sphere in the constructor's order
         std::vector<std::uint32_t> places;  ///< number of the sphere that was there at first
         std::vector<typename WallPlanes<Dim>::Vicinity> vicinities;
 
         void resize(std::size_t n);
+        /// Puts the slots into an order. @param from  number of the slot that comes at a place.
+        template <class From>
+        void sort(const From& from) {
+            const auto sortOne = [&](auto& all) {
+                std::decay_t<decltype(all)> sorted(all.size());
+                forAll(labels.size(), [&](std::size_t to) { sorted[to] = all[from(to)]; });
+                all.swap(sorted);
+            };
+            sortOne(bodies), sortOne(before), sortOne(homes), sortOne(listed);
+            sortOne(places), sortOne(vicinities), sortOne(labels);
+        }
         /// Takes slot `i` of others (or of these) as slot `to`.
         void take(std::size_t to, const Slots& from, std::size_t i) {
             bodies[to] = from.bodies[i];
-            motions[to] = from.motions[i];
+            before[to] = from.before[i];
             homes[to] = from.homes[i];
+            listed[to] = from.listed[i];
             labels[to] = from.labels[i];
             places[to] = from.places[i];
             vicinities[to] = from.vicinities[i];
@@ -149,46 +182,59 @@ private:
     /// A run of slots with their neighbors.
     struct Run {
         std::uint32_t first = 0, last = 0;
-        std::uint32_t number = 0;         ///< of the first slot among the slots of all ranks
-        std::vector<std::uint32_t> ids;   ///< neighbors, filled up to eights with the slot itself
-        std::vector<std::uint32_t> ends;  ///< of each slot's in `ids`
-        std::vector<WallPlane> planes;    ///< walls that are near
+        std::uint32_t number = 0;  ///< of the first slot among the slots of all ranks
+        /// The slots that move, with the longest lists first, filled up to eights with the last
+        /// one; before all others those near walls.
+        std::vector<std::uint32_t> members;
+        std::size_t wallMembers = 0;
+        /// Rows of a neighbor of each of eight members, filled up with nobody.
+        std::vector<std::uint32_t> ids;
+        std::vector<std::uint32_t> ends;       ///< of each eight's in `ids`
+        std::vector<WallPlane> planes;         ///< walls that are near
         std::vector<std::uint32_t> planeEnds;  ///< of each slot's in `planes`
         std::vector<WallPlane> edges;  ///< ends of a shell near centers, as walls for the spheres
         std::vector<std::uint32_t> edgeEnds;  ///< of each slot's in `edges`; empty: none
         std::vector<std::uint32_t> ranks;     ///< slots that may exchange, by region and radius
-        float worst = 0;                      ///< largest (r_i + r_j) (1 + delta) / d - 1
-        float fastest = 0;                    ///< largest squared step, quanta²
-        bool coincides = false;               ///< two centers coincided when lists were made
-        float grown = 0;  ///< largest growth of a slot's radius since lists were made
+        std::vector<std::pair<std::uint32_t, std::uint32_t>>
+            exchanged;           ///< slots, by the last step
+        float worst = 0;         ///< largest (r_i + r_j) (1 + delta) / d - 1
+        float fastest = 0;       ///< largest squared step, quanta²
+        bool coincides = false;  ///< two centers coincided when lists were made
+        bool expired = false;    ///< a sphere went farther, or grew more, than the lists allow for
+        /// Whether a slot is between two walls.
+        bool isBetweenWalls(std::uint32_t slot) const {
+            const std::uint32_t k = slot - first;
+            for (std::uint32_t p = k > 0 ? planeEnds[k - 1] : 0; p + 1 < planeEnds[k]; ++p)
+                for (std::uint32_t q = p + 1; q < planeEnds[k]; ++q)
+                    if (planes[p].nx * planes[q].nx + planes[p].ny * planes[q].ny +
+                            planes[p].nz * planes[q].nz <
+                        -0.5f)
+                        return true;
+            return false;
+        }
     };
 
     /// Largest values of all runs, of all ranks.
     struct Extremes {
-        float worst = 0, fastest = 0, grown = 0, moved = 0;
-        std::uint32_t coincides = 0, cancelled = 0;
+        float worst = 0, fastest = 0;
+        std::uint32_t coincides = 0, expired = 0, cancelled = 0;
     };
 
-    /// How spheres move in a step.
-    struct Step {
-        float inertia = 0;       ///< share of its velocity that a sphere keeps
-        float cap = 0;           ///< largest step, quanta
-        float push = 0;          ///< share of an overlap that a sphere gains as velocity
-        float pull = 0;          ///< gaps count as negative overlaps, but for no more than this
-        float range = 1;         ///< how far they do, in sums of the radii
-        bool drifts = true;      ///< where gaps count: whether spheres move on that nothing pushes
-        bool exchanges = false;  ///< whether squeeze and contacts are counted
-    };
-
+    struct Drawing;
+    Outcome draw(const Drawing& drawing, const Callbacks& callbacks,
+                 const std::function<void(double)>& onStep);
+    void setDelta(double delta);
     void setRadii(const std::vector<Sphere<Dim>>& spheres);
     void placeSlots(const std::vector<Sphere<Dim>>& spheres);
-    void resizeSlots(std::size_t n);
-    /// One step of all runs, into `next_`. @return the worst overlap, and the squared largest step.
-    float stepAll(const Step& step, float& fastest);
+    /// One step of all runs, into `next_`. @return the worst overlap.
+    float stepAll(const RelaxationStep& step);
+    /// Reads what the step of a run needs, one after the other: memory is slow in the order in
+    /// which the run goes through its slots.
+    void touch(const Run& run, bool exchanges) const;
     /// What is to be known of all runs before a step.
     Extremes stateOfAll(const Callbacks& callbacks) const;
-    /// Takes up the positions of the last step. @param fastest  of `stepAll`.
-    void advance(float fastest);
+    /// Takes up the positions of the last step.
+    void advance();
 
     /// The point with the most room of some drawn near a slot, mm.
     /// @param radius  quanta. @param around  scratch space. @param belongs  of points, mm; empty:
@@ -236,11 +282,17 @@ private:
     /// @param rough  whether overlaps are still large: walls are then queried less often.
     void rebuild(bool rough);
     /// Rebuilds the lists where they may miss a neighbor or are far too long.
-    void renewLists(const Extremes& all, float fastest, float cap, double worst);
-    bool listsExpired(const Extremes& all);
+    void renewLists(const Extremes& all, double worst);
+    /// How far a sphere may go until lists expire: farther where it is fast.
+    float marginOf(std::uint32_t slot) const;
+    void setMargins();
     void listNeighbors();
     void listRun(Run& run);
     void rankRun(Run& run);
+    /// Lists of the members of a run, eight by eight.
+    void interleave(Run& run, const std::vector<std::uint32_t>& slots, const Candidates& lists);
+    /// The body behind the last one: far smaller than nothing.
+    std::uint32_t nobody() const { return static_cast<std::uint32_t>(now_.labels.size()); }
     /// Candidates for the neighbors of the slots `first` to `last` - 1.
     void collect(std::uint32_t first, std::uint32_t last, Candidates& around) const;
     void listSlot(Run& run, std::uint32_t slot, Candidates& around);
@@ -260,15 +312,28 @@ private:
     bool keepsSide(const Run& run, std::uint32_t slot);
 
     // relaxation_step.cpp
-    template <bool kSqueeze, bool kPull>
-    void stepRun(Run& run, const Step& step);
+    template <bool kPull>
+    void stepRun(Run& run, const RelaxationStep& step);
+    /// Adds the overlaps of eight slots with the planes near them.
+    void addPlanes(const Run& run, const std::uint32_t* slots, const RelaxationStep& step,
+                   PushOfEight& push) const;
 
     // exchanges.cpp
-    void swapRun(Run& run);
-    /// The spheres at two ranks of a run, the smaller one first, exchange positions.
-    void exchange(Run& run, std::uint32_t k, std::uint32_t l);
-    /// The largest overlap of a slot's sphere with others, as `Run::worst`.
-    float worstOf(const Run& run, std::uint32_t slot) const;
+    /// What a step has found of a slot.
+    struct Squeezed {
+        float squeeze = 0, touching = 0;  ///< sum of the overlaps, quanta, and their number
+    };
+    /// Exchanges for the positions after a step. @param squeezed  by slot, from the first.
+    void swapRun(Run& run, const std::vector<Squeezed>& squeezed);
+    /// The spheres at two ranks of a run, the smaller one first, exchange their places among
+    /// `bodies`; not yet their labels.
+    void exchange(Run& run, std::uint32_t k, std::uint32_t l, std::vector<Body>& bodies);
+    void exchangeLabels(std::uint32_t a, std::uint32_t b);
+    /// The overlaps of a member's sphere: the largest, as `Run::worst`, and the sum of all.
+    struct Strain {
+        float worst = 0, squeeze = 0;
+    };
+    Strain strainOf(const Run& run, std::size_t member) const;
     /// Exchanges the spheres with the worst overlaps.
     void loosen(float worst);
 
@@ -278,13 +343,18 @@ private:
     static constexpr std::uint32_t kOfOthers = 0xffffffff;  ///< label of images
     bool isFixed(std::uint32_t label) const { return label < fixed_ || label == kOfOthers; }
     /// The length in which ways and gaps of a sphere are counted, in smallest radii.
-    float unitOf(float radius) const { return graded_ ? radius / least_ : 1; }
-    /// Neighbors are listed up to a gap between (r_i + r_j) `listedGrow()` and the distance less
-    /// `listedGap()`, quanta: a `skin_` for each half of their units.
-    float listedGrow() const { return graded_ ? listGrow_ + 0.5f * skin_ / least_ : listGrow_; }
-    float listedGap() const { return graded_ ? 0 : skin_; }
-    /// The same of a sphere and a wall.
-    float wallMargin(float radius) const { return radius * delta_ + skin_ * unitOf(radius); }
+    float unitOf(float radius) const { return graded_ ? radius * perLeast_ : 1; }
+    /// No neighbors are listed farther apart than (r_i + r_j) `listedGrow()` + `listedGap()`,
+    /// quanta.
+    float listedGrow() const { return graded_ ? listGrow_ + marginMost_ * perLeast_ : listGrow_; }
+    float listedGap() const { return graded_ ? 0 : 2 * marginMost_; }
+    /// A wall farther than this from a sphere's surface need not be known.
+    float wallMargin(std::size_t slot) const {
+        const float radius = now_.bodies[slot].radius;
+        return radius * (delta_ + std::max(0.0f, wallRange_ - 1)) +
+               std::max(now_.listed[slot].radius, kLeastWallMargin * least_ * unitOf(radius));
+    }
+    static constexpr float kLeastWallMargin = 0.15f;  ///< in smallest radii
     /// Whether the spheres in two slots may exchange positions.
     bool isAlike(std::uint32_t a, std::uint32_t b) const {
         return regions_.empty() || regions_[now_.labels[a]] == regions_[now_.labels[b]];
@@ -294,7 +364,7 @@ private:
     PeriodicCell<Dim> cell_;
     Home cellLow_{}, period_{};  ///< of the cell, quanta; 0: no period
     std::vector<Image> images_;
-    std::vector<Sphere<Dim>> given_;
+    std::size_t given_ = 0;  ///< number of the spheres
     std::vector<std::int32_t> regions_;
     std::uint32_t fixed_;
     std::uint64_t seed_;
@@ -302,18 +372,17 @@ private:
     float least_ = 0;                ///< smallest radius of those that move, quanta
     float smallest_ = 0, most_ = 0;  ///< radii of all, quanta
     float delta_ = 0;
-    float listGrow_ = 1;  ///< radii are enlarged by this factor where neighbors are listed
+    float wallRange_ = 1;  ///< radii are enlarged by this factor where walls are listed
+    float listGrow_ = 1;   ///< radii are enlarged by this factor where neighbors are listed
     bool graded_ = false;
     GroupBoundary<Dim>* boundary_ = nullptr;  ///< null: none
     const std::function<bool(std::int32_t)>* isInside_ = nullptr;
-    float skin_ = 0;   ///< quanta, times the units of the spheres, as the next
-    float spent_ = 0;  ///< upper bound of the way of any sphere since lists were made, quanta
-    int listed_ = 0;   ///< steps since then
+    float perLeast_ = 0;  ///< 1 / least_
+    float fastest_ = 0;   ///< squared largest step of the last one, quanta² by squared units
+    float marginBase_ = 0, marginMost_ = 0;  ///< of the lists, quanta by units
+    int listed_ = 0;                         ///< steps since these were made
 
-    Slots now_, sorted_;
-    std::vector<Body> next_;
-    std::vector<float> listedRadii_;
-    std::vector<float> touching_;  ///< contacts of each slot when squeezes were summed
+    Slots now_;
     WallPlanes<Dim> walls_;
     BodyCells cells_;
     std::vector<Run> runs_;
@@ -327,6 +396,9 @@ private:
 
     bool wraps_ = false;  ///< whether far spheres may have near low bits
     bool ready_ = false;
+    /// Spheres between walls keep their places: where a front found room between walls for a small
+    /// one, there is none for a larger one.
+    bool settling_ = false;
 };
 
 template <int Dim>

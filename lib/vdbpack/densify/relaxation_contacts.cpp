@@ -1,7 +1,9 @@
-// Spheres that are apart, drawn together until they touch.
+// Spheres that are apart, drawn together until they touch; and those of a front, settled.
 #include "vdbpack/densify/relaxation.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace vdbpack {
 
@@ -10,39 +12,88 @@ namespace {
 /// The gap that remains where two spheres touch, in radii of the smaller one, for the smallest and
 /// the largest sphere; and the least share by which radii are enlarged for that, and the least
 /// number of quanta: rounding must not matter.
-constexpr double kRest = 9e-5, kLeastDelta = 1e-5, kLeastQuanta = 10;
+constexpr double kRest = 7e-5, kLeastDelta = 1e-5, kLeastQuanta = 10;
 /// Overlaps below this share of delta are none of the true radii, with a margin for rounding.
 constexpr float kContactApart = 0.9f;
-/// Spheres are drawn together whose gap is below this share of the sum of their radii. With 0.02,
-/// a sphere of a box at 0.645 touches 0.1 fewer: more pulls compete.
-constexpr float kRange = 0.012f;
-/// A gap pulls as strongly as an overlap of its size pushes, up to one of this share of the
-/// distance: of kFirst in the first step, and kFade times as much in each further one. In the end,
-/// the pull leaves overlaps far smaller than delta.
-constexpr float kFirst = 5e-3f, kFade = 0.905f;
-/// Steps with a pull, and most of all. Without a pull, the last overlaps take 3 to 20 steps; a few
-/// among a million spheres take 340.
-constexpr int kPulls = 85, kMostSteps = 600;
-/// Before these steps, the exact wall is queried: the spheres are close to where they will be.
-constexpr int kFirstWall = 60, kSecondWall = kPulls;
+/// Most steps. Without a pull, the last overlaps take 3 to 20; a few among a million spheres take
+/// 340.
+constexpr int kMostSteps = 600;
+/// In kPatience steps, the worst overlap falls to less than this share of it, or else the spheres
+/// that have it exchange positions with smaller ones, once pulls have ended for as long: not where
+/// overlaps are as small as kLeftOver, unless it is for kLongPatience. Where a front settles, also
+/// before, where overlaps are larger than kWhilePulled and so many times the pull.
+constexpr int kPatience = 15, kLongPatience = 150;
+constexpr float kPatient = 0.7f, kLeftOver = 1e-4f, kWhilePulled = 1e-3f, kByPull = 4;
+/// So many steps before the pull ends, and then, the exact wall is queried: the spheres are close
+/// to where they will be.
+constexpr int kWallBefore = 25;
 /// A sphere gains this share of overlaps and gaps as velocity.
 constexpr float kContactPush = 0.6f;
-
 /// The share of its velocity that a sphere keeps in a step: rising without a pull, as in Nesterov's
 /// method (1983), since what is left takes ever softer modes.
 float inertiaAt(int step) {
-    return 1 - 3.0f / static_cast<float>(15 + std::max(0, step - kPulls));
+    return 1 - 3.0f / static_cast<float>(15 + std::max(0, step));
 }
 
-/// Gap up to which neighbors are listed beyond those in range, and the largest step; in smallest
-/// radii.
-constexpr float kSkin = 0.15f, kCap = 0.05f;
+/// The largest step, in smallest radii.
+constexpr float kCap = 0.05f;
+
+/// Where a front settles, radii are enlarged by this share, and overlaps removed, though not to the
+/// last, in so many steps at this pace: then gaps are about twice as large everywhere.
+constexpr double kSettleDelta = 0.02;
+constexpr RelaxationPace kSettlePace{0.95, 0.1, 1, 0.01};
+constexpr int kSettleSteps = 60;
+/// How much more strongly walls pull then, for spheres of sizes that differ by more than kEqual and
+/// for others: about as many spheres stay at walls as the front had.
+template <int Dim>
+constexpr float kSettleWall = Dim == 3 ? 1.8f : 1;
+constexpr float kSettleWallOfEqual = 0, kEqual = 1.1f;
 
 }  // namespace
+
+/// How gaps pull.
+template <int Dim>
+struct Relaxation<Dim>::Drawing {
+    /// Gaps below this share of the sum of the radii pull. More pulls compete with a larger one.
+    float range;
+    /// As strongly as an overlap of this share of the distance, in the first step and, by a
+    /// constant factor less in each, in the last one: then overlaps are far smaller than delta.
+    float first, last;
+    int steps;  ///< with a pull
+    /// The same range of walls, in radii, and how much more strongly these pull: a sphere has one
+    /// wall, and several neighbors.
+    float wallRange, wallMore;
+};
 
 template <int Dim>
 typename Relaxation<Dim>::Outcome Relaxation<Dim>::drawTogether(
     const Callbacks& callbacks, const std::function<void(double)>& onStep) {
+    return draw({0.016f, 5e-3f, 2e-6f, 95, 0.03f, 0}, callbacks, onStep);
+}
+
+template <int Dim>
+typename Relaxation<Dim>::Outcome Relaxation<Dim>::settle(
+    const Callbacks& callbacks, const std::function<void(double)>& onStep) {
+    constexpr double kFirstShare = 0.35;  // of the time
+    setDelta(kSettleDelta);
+    settling_ = true;
+    const Outcome loose = run(kSettlePace, kSettleSteps, callbacks, [&](int step, double) {
+        if (onStep) onStep(kFirstShare * step / kSettleSteps);
+        return true;
+    });
+    if (loose.interrupted) return loose;
+    const float wall = most_ < kEqual * smallest_ ? kSettleWallOfEqual : kSettleWall<Dim>;
+    Outcome outcome = draw({0.06f, 0.02f, 1e-5f, 120, 0.1f, wall}, callbacks, [&](double done) {
+        if (onStep) onStep(kFirstShare + (1 - kFirstShare) * done);
+    });
+    outcome.steps += loose.steps;
+    return outcome;
+}
+
+template <int Dim>
+typename Relaxation<Dim>::Outcome Relaxation<Dim>::draw(const Drawing& drawing,
+                                                        const Callbacks& callbacks,
+                                                        const std::function<void(double)>& onStep) {
     Outcome outcome;
     if (!ready_) {
         outcome.apart = true;
@@ -51,41 +102,60 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::drawTogether(
     const auto least = static_cast<double>(least_), most = static_cast<double>(most_);
     const double delta = kRest * least / (least + most);
     delta_ = static_cast<float>(std::max({delta, kLeastDelta, kLeastQuanta / least}));
-    listGrow_ = (1 + delta_) * (1 + kRange);
-    skin_ = kSkin * least_;
-    Step step;
+    listGrow_ = (1 + delta_) * (1 + drawing.range);
+    const float fade =
+        std::pow(drawing.last / drawing.first, 1 / static_cast<float>(drawing.steps));
+    RelaxationStep step;
     step.cap = kCap * least_;
     step.push = kContactPush;
-    step.pull = kFirst;
-    step.range = 1 + kRange;
+    step.pull = drawing.first;
+    step.range = 1 + drawing.range;
+    wallRange_ = step.wallRange = 1 + drawing.wallRange;
     rebuild(false);
+    float before = 1e30f;  // the worst overlap kPatience steps ago
     for (;; ++outcome.steps) {
         const Extremes all = stateOfAll(callbacks);
         if (all.cancelled) {
             outcome.interrupted = true;
             return outcome;
         }
-        if (onStep) onStep(std::min(1.0, static_cast<double>(outcome.steps) / kPulls));
-        if (listsExpired(all)) rebuild(false);
-        if (outcome.steps == kFirstWall || outcome.steps == kSecondWall) keepsWall();
-        step.inertia = inertiaAt(outcome.steps);
-        if (outcome.steps == kPulls) step.pull = 0;
-        step.drifts = outcome.steps < kPulls;
-        float fastest = 0;
-        const float worst = stepAll(step, fastest);
+        if (onStep) onStep(std::min(1.0, static_cast<double>(outcome.steps) / drawing.steps));
+        renewLists(all, 0);
+        const int left = drawing.steps - outcome.steps;
+        if (left == kWallBefore || left == 0) keepsWall();
+        step.inertia = inertiaAt(-left);
+        if (left == 0) step.pull = 0;
+        step.wallPull = step.pull * drawing.wallMore;
+        step.drifts = left > 0;
+        const float worst = stepAll(step);
         outcome.worst = std::max(0.0, static_cast<double>(worst - delta_));
-        if (outcome.steps >= kPulls && worst < kContactApart * delta_ && keepsWall()) {
+        if (left <= 0 && worst < kContactApart * delta_ && keepsWall()) {
             outcome.apart = true;
             return outcome;
         }
         if (outcome.steps == kMostSteps) return outcome;
-        advance(fastest);
+        advance();
         refreshNear();
-        step.pull *= kFade;
+        if (left % kPatience == 0) {
+            const float leftOver = left < -kLongPatience ? delta_
+                                   : left < -kPatience   ? kLeftOver
+                                   : settling_           ? kWhilePulled + kByPull * step.pull
+                                                         : std::numeric_limits<float>::infinity();
+            if (worst > kPatient * before && worst > leftOver) {
+                loosen(worst);
+                refreshNear();
+            }
+            before = worst;
+        }
+        step.pull *= fade;
         ++clock_;
     }
 }
 
+template typename Relaxation<2>::Outcome Relaxation<2>::settle(const Callbacks&,
+                                                               const std::function<void(double)>&);
+template typename Relaxation<3>::Outcome Relaxation<3>::settle(const Callbacks&,
+                                                               const std::function<void(double)>&);
 template typename Relaxation<2>::Outcome Relaxation<2>::drawTogether(
     const Callbacks&, const std::function<void(double)>&);
 template typename Relaxation<3>::Outcome Relaxation<3>::drawTogether(

@@ -36,8 +36,13 @@ void Relaxation<Dim>::addImages() {
         Body& body = now_.bodies[i];
         const Home inside = wrapped(home);
         if (inside != home) {
+            const Body from = body;
+            Body& before = now_.before[i];
             home = inside;
             body = {lowBits(home[0]), lowBits(home[1]), lowBits(home[2]), body.radius};
+            before = {body.x + before.x - from.x, body.y + before.y - from.y,
+                      body.z + before.z - from.z, before.radius};
+            now_.listed[i] = {body.x, body.y, body.z, now_.listed[i].radius};
             // The walls around are known elsewhere.
             if (!isFixed(now_.labels[i])) now_.vicinities[i].roam = -1;
         }
@@ -60,14 +65,16 @@ void Relaxation<Dim>::addImages() {
                                {shifts[0][n % counts[0]], shifts[1][n / counts[0] % counts[1]],
                                 shifts[2][n / counts[0] / counts[1]]}});
     }
-    resizeSlots(own + images_.size());
+    now_.resize(own + images_.size());
     for (std::size_t k = 0; k < images_.size(); ++k) {
         const Image& image = images_[k];
         Home& home = now_.homes[own + k];
         for (std::size_t d = 0; d < 3; ++d) home[d] = now_.homes[image.source][d] + image.shift[d];
         now_.bodies[own + k] = {lowBits(home[0]), lowBits(home[1]), lowBits(home[2]),
                                 now_.bodies[image.source].radius};
-        now_.motions[own + k] = {};
+        now_.before[own + k] = now_.bodies[own + k];
+        now_.listed[own + k] = now_.bodies[own + k];
+        now_.listed[own + k].radius = now_.listed[image.source].radius;
         now_.labels[own + k] = now_.places[own + k] = kOfOthers;
         now_.vicinities[own + k] = {};
         now_.vicinities[own + k].roam = std::numeric_limits<float>::infinity();

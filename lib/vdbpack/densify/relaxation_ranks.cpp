@@ -36,8 +36,7 @@ struct Relaxation<Dim>::Layers {
 /// A slot on its way to another rank.
 template <int Dim>
 struct Relaxation<Dim>::Traveler {
-    Body body;
-    Motion motion;
+    Body body, listed, before;
     Home home;
     std::uint32_t slot, label, place, hasWall;
     float roam;
@@ -52,9 +51,8 @@ typename Relaxation<Dim>::Extremes Relaxation<Dim>::agreed(const Extremes& own) 
         const Extremes& e = list.front();
         all.worst = std::max(all.worst, e.worst);
         all.fastest = std::max(all.fastest, e.fastest);
-        all.grown = std::max(all.grown, e.grown);
-        all.moved = std::max(all.moved, e.moved);
         all.coincides = std::max(all.coincides, e.coincides);
+        all.expired = std::max(all.expired, e.expired);
         all.cancelled = std::max(all.cancelled, e.cancelled);
     }
     return all;
@@ -110,15 +108,11 @@ void Relaxation<Dim>::send(const std::vector<int>& to) {
             slots_[kept++] = slots_[i];
             continue;
         }
-        Traveler t{now_.bodies[i],
-                   now_.motions[i],
-                   now_.homes[i],
-                   slots_[i],
-                   now_.labels[i],
-                   now_.places[i],
-                   0,
-                   vicinity.roam,
-                   {}};
+        Traveler t{now_.bodies[i], now_.listed[i],
+                   now_.before[i], now_.homes[i],
+                   slots_[i],      now_.labels[i],
+                   now_.places[i], 0,
+                   vicinity.roam,  {}};
         if (vicinity.wall != WallPlanes<Dim>::kNone) {
             t.hasWall = 1;
             t.wall = walls_[vicinity.wall];
@@ -133,8 +127,9 @@ void Relaxation<Dim>::send(const std::vector<int>& to) {
     for (const auto& list : arrived)
         for (const Traveler& t : list) {
             now_.bodies[kept] = t.body;
-            now_.motions[kept] = t.motion;
+            now_.before[kept] = t.before;
             now_.homes[kept] = t.home;
+            now_.listed[kept] = t.listed;
             now_.labels[kept] = t.label;
             now_.places[kept] = t.place;
             now_.vicinities[kept] = {};
@@ -150,14 +145,10 @@ void Relaxation<Dim>::sortLocally(std::vector<std::pair<std::uint64_t, std::uint
     // A key, and in the low bits of the second number the slot.
     tbb::parallel_sort(keys.begin(), keys.end());
     const std::size_t n = keys.size();
-    sorted_.resize(n);
+    const auto from = [&](std::size_t to) { return static_cast<std::uint32_t>(keys[to].second); };
     std::vector<std::uint32_t> slots(n);
-    forAll(n, [&](std::size_t to) {
-        const auto i = static_cast<std::uint32_t>(keys[to].second);
-        sorted_.take(to, now_, i);
-        slots[to] = slots_[i];
-    });
-    std::swap(now_, sorted_);
+    forAll(n, [&](std::size_t to) { slots[to] = slots_[from(to)]; });
+    now_.sort(from);
     slots_ = std::move(slots);
 }
 
@@ -173,9 +164,9 @@ void Relaxation<Dim>::sortOverRanks() {
     }
     now_.resize(own);
     slots_.resize(own);
-    wraps_ =
-        cells_.lay(now_.homes, now_.bodies.data(), smallest_, most_,
-                   {2 * (1 + static_cast<double>(delta_)), static_cast<double>(skin_)}, ranks_);
+    wraps_ = cells_.lay(now_.homes, now_.bodies.data(), smallest_, most_,
+                        {2 * (1 + static_cast<double>(delta_)), static_cast<double>(listedGap())},
+                        ranks_);
     const Layers layers = layersOverRanks();
     const auto layerOf = [&](std::size_t i) {
         const std::size_t k = cells_.levelOf(now_.bodies[i].radius);
@@ -261,7 +252,7 @@ std::vector<std::vector<std::uint32_t>> Relaxation<Dim>::slotsNear(const Layers&
             const bool isNear =
                 std::any_of(intervals[r].begin(), intervals[r].end(), [&](const Interval& in) {
                     const auto largest = static_cast<double>(cells_.levels()[in.level].largest);
-                    double reach = (radius + largest) * grow + static_cast<double>(skin_);
+                    double reach = (radius + largest) * grow + static_cast<double>(listedGap());
                     // Vacancies are sought among all bodies of the cells around a slot.
                     if (further > 0)
                         reach = std::max(reach, largest + 2.2 * further +
@@ -277,7 +268,7 @@ std::vector<std::vector<std::uint32_t>> Relaxation<Dim>::slotsNear(const Layers&
 template <int Dim>
 void Relaxation<Dim>::addNear(const Layers& layers) {
     struct Near {
-        Body body;
+        Body body, listed;
         Home home;
         std::uint32_t slot;
     };
@@ -286,7 +277,7 @@ void Relaxation<Dim>::addNear(const Layers& layers) {
     std::vector<std::vector<Near>> toEach(tell_.size());
     for (std::size_t r = 0; r < tell_.size(); ++r)
         for (const std::uint32_t i : tell_[r])
-            toEach[r].push_back({now_.bodies[i], now_.homes[i], slots_[i]});
+            toEach[r].push_back({now_.bodies[i], now_.listed[i], now_.homes[i], slots_[i]});
     const auto arrived = exchanged(*ranks_, std::move(toEach));
     std::vector<std::size_t> heardFirst;  // slot behind the own ones
     std::size_t all = own;
@@ -300,8 +291,9 @@ void Relaxation<Dim>::addNear(const Layers& layers) {
         std::size_t i = heardFirst[r];
         for (const Near& near : arrived[r]) {
             now_.bodies[i] = near.body;
-            now_.motions[i] = {};
+            now_.before[i] = near.body;
             now_.homes[i] = near.home;
+            now_.listed[i] = near.listed;
             now_.labels[i] = now_.places[i] = std::numeric_limits<std::uint32_t>::max();
             now_.vicinities[i] = {};
             now_.vicinities[i].roam = std::numeric_limits<float>::infinity();
@@ -316,8 +308,7 @@ void Relaxation<Dim>::addNear(const Layers& layers) {
     for (std::size_t r = 0; r < arrived.size(); ++r)
         heard_[r].assign(now.begin() + static_cast<std::ptrdiff_t>(heardFirst[r]),
                          now.begin() + static_cast<std::ptrdiff_t>(heardFirst[r + 1]));
-    resizeSlots(all);
-    for (std::size_t i = 0; i < all; ++i) listedRadii_[i] = now_.bodies[i].radius;
+    now_.resize(all);
     cells_.take(now_.homes, now_.bodies.data(), Layers::kAxis);
 }
 

@@ -1,159 +1,200 @@
 // One step of the relaxation: overlaps push, and all spheres of a run move.
+//
+// Eight spheres at a time, each in its lane, and each sum in the order of its list: the same bits
+// as of one sphere after the other.
 #include "vdbpack/densify/relaxation.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace vdbpack {
 
 namespace {
 
-/// Where gaps count, a sphere with more listed neighbors (in whole eights) gains less velocity from
-/// each of them: all together would make it oscillate.
-constexpr float kFewNeighbors = 24;
-
-/// The sum of the overlaps of a sphere, quanta.
-struct Push {
-    float x = 0, y = 0, z = 0;
-    float squeeze = 0;   ///< sum of the magnitudes
-    float contacts = 0;  ///< number of the overlaps
-};
+/// Where gaps count, a sphere with more neighbors in range gains less velocity from each of them:
+/// all together would make it oscillate.
+constexpr float kFewNeighbors = 14;
+/// Neighbors that are requested from memory before they are needed.
+constexpr std::size_t kIdsAhead = 256;
 
 /// How overlaps and gaps become forces.
 struct Law {
-    float grow;         ///< factor on radii
-    float range, pull;  ///< of the step
+    float pull;      ///< of the step
+    float least;     ///< least overlap divided by the distance that counts, not positive
+    float perRange;  ///< 1 / the largest gap that counts
+
+    Law(float pullOfStep, float range)
+        : pull(pullOfStep),
+          least(range > 1 ? inverse(range) - 1 : 0),
+          perRange(range > 1 ? inverse(range - 1) : 0) {}
+    /// The overlap, or how strongly a gap pulls: as an overlap of its size would, but for no more
+    /// than `pull`, which falls to 0 at the end of the range. The nearest neighbor wins.
+    template <class Number>
+    VDBPACK_INLINE Number force(Number push) const {
+        return larger(push, -pull * (1 + push * perRange));
+    }
 };
 
-/// From the spheres `ids` up to `end`, whole eights.
-/// @param kSqueeze  whether squeeze and contacts are counted.
-/// @param kPull     whether gaps count, as negative overlaps.
-/// @param kGraded   whether stiffness and mass go with the radii: where sizes differ by place, the
-///                  pressure of spheres that overlap by the same share is then the same, and fine
-///                  ones do not drift towards coarse ones.
-/// @param worst     of each lane, raised to the largest overlap divided by the distance.
-template <bool kSqueeze, bool kPull, bool kGraded>
-VDBPACK_INLINE Push pushOfSpheres(const Body* bodies, const Body& body, const std::uint32_t* ids,
-                                  const std::uint32_t* end, const Law& law, Float8& worst) {
-    Float8 fx = {}, fy = {}, fz = {}, squeeze = {};
-    Int8 touching = {};
-    for (; ids != end; ids += 8) {
-        const Bodies8 other = gather(bodies, ids);
-        const Float8 dx = difference(other.x, body.x);
-        const Float8 dy = difference(other.y, body.y);
-        const Float8 dz = difference(other.z, body.z);
-        const Float8 d2 = dx * dx + dy * dy + dz * dz;
-        const Float8 reach = (other.radius + body.radius) * law.grow;
-        // Eights are filled up with the sphere itself, at distance 0.
-        const Float8 far = kPull ? reach * law.range : reach;
-        const Int8 near = (d2 < far * far) & (d2 > 0);
-        const Float8 d = squareRoot(d2);
-        Float8 push = reach / d - 1;
-        if constexpr (kPull) push = larger(push, -law.pull);
-        push = where8(near, push);
-        Float8 gain = push;
-        if constexpr (kGraded) gain = push * (2.0f * other.radius) / (other.radius + body.radius);
-        fx -= gain * dx;
-        fy -= gain * dy;
-        fz -= gain * dz;
-        worst = larger(worst, push);
-        if constexpr (kSqueeze) {
-            squeeze += push * d;
-            touching -= near;
-        }
-    }
-    Push sums{sum(fx), sum(fy), sum(fz)};
-    if constexpr (kSqueeze) {
-        sums.squeeze = sum(squeeze);
-        sums.contacts = sum(__builtin_convertvector(touching, Float8));
-    }
-    return sums;
-}
-
-/// Adds the overlaps with the planes `plane` up to `last`, and moves `plane` there.
-/// @param worst  raised to the largest overlap divided by the distance.
-template <bool kPull>
-VDBPACK_INLINE void addPushOfWall(const WallPlane* planes, std::uint32_t& plane, std::uint32_t last,
-                                  const Body& body, const Law& law, Push& push, float& worst) {
-    const float reach = body.radius * law.grow;
-    const float least = kPull ? reach - reach * law.range : 0;
-    for (; plane < last; ++plane) {
-        const WallPlane& p = planes[plane];
-        const float away = p.distance(body);
-        float over = reach - away;
-        if (!(over > least)) continue;
-        if constexpr (kPull) over = larger(over, -law.pull * reach);
-        push.x += over * p.nx;
-        push.y += over * p.ny;
-        push.z += over * p.nz;
-        worst = std::max(worst, p.overlap(away, reach));
-        push.squeeze += over;
-        push.contacts += 1;
-    }
-}
-
-VDBPACK_INLINE std::uint32_t moved(std::uint32_t at, float by) {
-    return at + static_cast<std::uint32_t>(static_cast<std::int32_t>(std::rint(by)));
+/// Without fractions, so that the slowest motions end.
+VDBPACK_INLINE Word8 whole(Float8 v) {
+    return bitsAs<Word8>(__builtin_convertvector(v, Int8));
 }
 
 }  // namespace
 
-template <int Dim>
-template <bool kSqueeze, bool kPull>
-void Relaxation<Dim>::stepRun(Run& run, const Step& step) {
-    const Body* bodies = now_.bodies.data();
-    Body* next = next_.data();
-    const Law law{1 + delta_, step.range, step.pull};
-    const std::uint32_t* ids = run.ids.data();
-    Float8 worst = {};
-    float worstWall = 0, fastest = 0;
-    float beyondEdge = 0;  // no overlap: `keepsSide` has the last word
-    std::uint32_t plane = 0, edge = 0;
-    for (std::uint32_t i = run.first; i < run.last; ++i) {
-        const Body body = bodies[i];
-        const std::uint32_t* end = run.ids.data() + run.ends[i - run.first];
-        Push push = graded_
-                        ? pushOfSpheres<kSqueeze, kPull, true>(bodies, body, ids, end, law, worst)
-                        : pushOfSpheres<kSqueeze, kPull, false>(bodies, body, ids, end, law, worst);
-        float share = step.push, inertia = step.inertia;
-        if constexpr (kPull) share *= std::min(1.0f, kFewNeighbors / static_cast<float>(end - ids));
-        ids = end;
-        if (const std::uint32_t last = run.planeEnds[i - run.first]; plane < last)
-            addPushOfWall<kPull>(run.planes.data(), plane, last, body, law, push, worstWall);
-        if (!run.edgeEnds.empty())
-            addPushOfWall<false>(run.edges.data(), edge, run.edgeEnds[i - run.first], body, law,
-                                 push, beyondEdge);
-        Motion& motion = now_.motions[i];
-        if constexpr (kPull)
-            if (!step.drifts && push.x == 0 && push.y == 0 && push.z == 0) inertia = 0;
-        float vx = inertia * motion.x + share * push.x;
-        float vy = inertia * motion.y + share * push.y;
-        float vz = inertia * motion.z + share * push.z;
-        const float unit = unitOf(body.radius), cap = step.cap * unit, capSquare = cap * cap;
-        float speed = vx * vx + vy * vy + vz * vz;
-        if (speed > capSquare) {
-            const float slower = cap / std::sqrt(speed);
-            vx *= slower, vy *= slower, vz *= slower;
-            speed = capSquare;
+/// The sums of the overlaps of eight spheres, quanta.
+struct PushOfEight {
+    Float8 x = {}, y = {}, z = {};
+    Float8 squeeze = {};  ///< sum of the magnitudes
+    Int8 contacts = {};   ///< number of the overlaps and gaps that count
+    Float8 worst = {};    ///< the largest overlap divided by the distance
+
+    /// Adds the overlaps with the spheres in the rows `ids` up to `end`.
+    /// @param kPull    whether gaps count, as negative overlaps.
+    /// @param kGraded  whether stiffness and mass go with the radii: where sizes differ by place,
+    ///                 the pressure of spheres that overlap by the same share is then the same, and
+    ///                 fine ones do not drift towards coarse ones.
+    template <bool kPull, bool kGraded>
+    VDBPACK_INLINE void addSpheres(const Body* bodies, const Bodies8& own, const std::uint32_t* ids,
+                                   const std::uint32_t* end, float grow, const Law& law) {
+        for (; ids != end; ids += kLanes) {
+            const Bodies8 other = gather(bodies, ids);
+            const Float8 dx = difference(other.x, own.x);
+            const Float8 dy = difference(other.y, own.y);
+            const Float8 dz = difference(other.z, own.z);
+            const Float8 d2 = dx * dx + dy * dy + dz * dz;
+            const Float8 reach = (other.radius + own.radius) * grow;
+            Float8 push = reach * inverseRoot(d2) - 1;
+            const Int8 near = push > law.least;
+            worst = larger(worst, push);
+            push = kPull ? where8(near, law.force(push)) : larger(push, 0.0f);
+            Float8 gain = push;
+            if constexpr (kGraded)
+                gain =
+                    where8(near, push * (2.0f * other.radius) * inverse(other.radius + own.radius));
+            x -= gain * dx;
+            y -= gain * dy;
+            z -= gain * dz;
+            squeeze += push * reach;
+            contacts -= near;
         }
-        fastest = std::max(fastest, speed / (unit * unit));
-        motion.x = vx, motion.y = vy, motion.z = vz;
-        if constexpr (kSqueeze) {
-            motion.squeeze = push.squeeze;
-            touching_[i] = push.contacts;
-        }
-        next[i] = {moved(body.x, vx), moved(body.y, vy), moved(body.z, vz), body.radius};
     }
-    run.worst = std::max(largest(worst), worstWall);
-    if (run.coincides) run.worst = std::max(run.worst, 1.0f);
-    run.fastest = fastest;
+
+    /// Adds the overlap of a body in a lane with a plane.
+    /// @param isWall  else the plane is the end of a shell: `keepsSide` has the last word there.
+    void addPlane(std::size_t lane, const WallPlane& p, const Body& body, float grow,
+                  const Law& law, bool isWall) {
+        const float reach = body.radius * grow;
+        const float away = p.distance(body);
+        const float over = p.overlap(away, reach);
+        if (!(over > law.least)) return;
+        const float push = law.force(over) * std::max(away, 0.1f * reach);
+        x[lane] += push * p.nx;
+        y[lane] += push * p.ny;
+        z[lane] += push * p.nz;
+        if (isWall) worst[lane] = std::max(worst[lane], over);
+        squeeze[lane] += push;
+        contacts[lane] += 1;
+    }
+};
+
+template <int Dim>
+void Relaxation<Dim>::addPlanes(const Run& run, const std::uint32_t* slots,
+                                const RelaxationStep& step, PushOfEight& push) const {
+    const Law wall(step.wallPull, step.wallRange), edge(0, 1);
+    const auto part = [](const std::vector<std::uint32_t>& ends, std::uint32_t k) {
+        return std::pair{k > 0 ? ends[k - 1] : 0, ends[k]};
+    };
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const Body& body = now_.bodies[slots[lane]];
+        const std::uint32_t k = slots[lane] - run.first;
+        for (auto [p, end] = part(run.planeEnds, k); p < end; ++p)
+            push.addPlane(lane, run.planes[p], body, 1 + delta_, wall, true);
+        if (run.edgeEnds.empty()) continue;
+        for (auto [p, end] = part(run.edgeEnds, k); p < end; ++p)
+            push.addPlane(lane, run.edges[p], body, 1 + delta_, edge, false);
+    }
 }
 
-template void Relaxation<2>::stepRun<false, false>(Run&, const Step&);
-template void Relaxation<2>::stepRun<true, false>(Run&, const Step&);
-template void Relaxation<2>::stepRun<false, true>(Run&, const Step&);
-template void Relaxation<3>::stepRun<false, false>(Run&, const Step&);
-template void Relaxation<3>::stepRun<true, false>(Run&, const Step&);
-template void Relaxation<3>::stepRun<false, true>(Run&, const Step&);
+template <int Dim>
+void Relaxation<Dim>::touch(const Run& run, bool exchanges) const {
+    const auto read = [](const auto* from, std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; i += std::max<std::size_t>(1, 64 / sizeof *from))
+            asm volatile("" ::"r"(*reinterpret_cast<const std::uint32_t*>(from + i)));
+    };
+    read(run.ids.data(), 0, run.ids.size());
+    read(now_.before.data(), run.first, run.last);
+    read(now_.listed.data(), run.first, run.last);
+    if (!exchanges) return;
+    read(now_.labels.data(), run.first, run.last);
+    read(now_.vicinities.data(), run.first, run.last);
+}
+
+template <int Dim>
+template <bool kPull>
+void Relaxation<Dim>::stepRun(Run& run, const RelaxationStep& step) {
+    const Body* bodies = now_.bodies.data();
+    const Law law(step.pull, step.range);
+    const float grow = 1 + delta_;
+    const std::uint32_t* ids = run.ids.data();
+    run.exchanged.clear();
+    touch(run, step.exchanges);
+    std::vector<Squeezed> squeezed(step.exchanges ? run.last - run.first : 0);
+    Float8 worst = {}, fastest = {};
+    Int8 expired = {};
+    for (std::size_t m = 0; m < run.members.size(); m += kLanes) {
+        const std::uint32_t* slots = run.members.data() + m;
+        const std::uint32_t* end = run.ids.data() + run.ends[m / kLanes];
+        const Bodies8 own = gather(bodies, slots);
+        PushOfEight push;
+        if (m < run.wallMembers) addPlanes(run, slots, step, push);
+        if (graded_)
+            push.addSpheres<kPull, true>(bodies, own, ids, end, grow, law);
+        else
+            push.addSpheres<kPull, false>(bodies, own, ids, end, grow, law);
+        ids = end;
+        const Bodies8 before = gather(now_.before.data(), slots);
+        Float8 vx = difference(own.x, before.x), vy = difference(own.y, before.y),
+               vz = difference(own.z, before.z);
+        const Float8 contacts = __builtin_convertvector(push.contacts, Float8);
+        Float8 share = everyLane(step.push), inertia = everyLane(step.inertia);
+        if constexpr (kPull) {
+            share = share * smaller(kFewNeighbors * inverse(larger(contacts, 1.0f)), 1.0f);
+            if (!step.drifts)
+                inertia = where8((push.x != 0) | (push.y != 0) | (push.z != 0), inertia);
+        } else {
+            const Int8 turns = vx * push.x + vy * push.y + vz * push.z < 0;
+            inertia = choose(turns, inertia * step.turning, inertia);
+        }
+        vx = inertia * vx + share * push.x;
+        vy = inertia * vy + share * push.y;
+        vz = inertia * vz + share * push.z;
+        const Float8 unit = graded_ ? own.radius * perLeast_ : everyLane(1);
+        const Float8 cap = step.cap * unit;
+        Float8 speed = vx * vx + vy * vy + vz * vz;
+        const Int8 tooFast = speed > cap * cap;
+        const Float8 slower = choose(tooFast, cap * inverseRoot(speed), 1.0f);
+        vx *= slower, vy *= slower, vz *= slower;
+        speed = choose(tooFast, cap * cap, speed);
+        fastest = larger(fastest, speed * inverse(unit * unit));
+        worst = larger(worst, push.worst);
+        const Bodies8 next{own.x + whole(vx), own.y + whole(vy), own.z + whole(vz), own.radius};
+        expired |= areBeyond(gather(now_.listed.data(), slots), next);
+        scatter(now_.before.data(), slots, next);
+        if (step.exchanges)
+            for (std::size_t l = 0; l < kLanes; ++l)
+                squeezed[slots[l] - run.first] = {push.squeeze[l], contacts[l]};
+    }
+    run.worst = run.coincides ? std::max(largest(worst), 1.0f) : largest(worst);
+    run.fastest = largest(fastest);
+    run.expired |= !noneOf(expired);
+    if (step.exchanges) swapRun(run, squeezed);
+}
+
+template void Relaxation<2>::stepRun<false>(Run&, const RelaxationStep&);
+template void Relaxation<2>::stepRun<true>(Run&, const RelaxationStep&);
+template void Relaxation<3>::stepRun<false>(Run&, const RelaxationStep&);
+template void Relaxation<3>::stepRun<true>(Run&, const RelaxationStep&);
 
 }  // namespace vdbpack

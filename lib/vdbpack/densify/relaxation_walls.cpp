@@ -9,6 +9,14 @@
 
 namespace vdbpack {
 
+namespace {
+
+/// Share of delta that the exact wall leaves between itself and a sphere: a little less than the
+/// planes near it do, where rounding could part the two tests for ever.
+constexpr double kRoom = 0.02;
+
+}  // namespace
+
 template <int Dim>
 void Relaxation<Dim>::askWalls() {
     parallelFor(IndexRange(0, now_.labels.size(), 256), [&](const IndexRange& part) {
@@ -21,7 +29,7 @@ template <int Dim>
 void Relaxation<Dim>::askWall(std::size_t slot) {
     const Body& body = now_.bodies[slot];
     auto& vicinity = now_.vicinities[slot];
-    const float margin = wallMargin(body.radius);
+    const float margin = wallMargin(slot);
     if (walls_.isDue(body, vicinity, margin))
         walls_.ask(whereIs(now_.homes[slot], body), body, margin, vicinity);
 }
@@ -36,7 +44,8 @@ void Relaxation<Dim>::listPlanes(Run& run) {
         if (const std::uint32_t wall = now_.vicinities[i].wall; wall != WallPlanes<Dim>::kNone) {
             const Body& body = now_.bodies[i];
             for (const WallPlane& plane : walls_[wall])
-                if (plane.distance(body) < body.radius * listGrow_ + skin_ * unitOf(body.radius))
+                if (plane.distance(body) <
+                    body.radius * std::max(listGrow_, wallRange_) + now_.listed[i].radius)
                     run.planes.push_back(plane);
         }
         run.planeEnds.push_back(static_cast<std::uint32_t>(run.planes.size()));
@@ -51,7 +60,7 @@ void Relaxation<Dim>::listBoundary(Run& run, std::uint32_t slot) {
     constexpr double kInside = 3;  // on the right side by more than what is accepted as none
     const Body& body = now_.bodies[slot];
     const double radius = static_cast<double>(body.radius);
-    const double reach = static_cast<double>(skin_ * unitOf(body.radius)) * quantum_;
+    const double reach = static_cast<double>(now_.listed[slot].radius) * quantum_;
     const bool inside = (*isInside_)(regions_[now_.labels[slot]]);
     const auto edge =
         boundary_->edgeNear(walls_.position(whereIs(now_.homes[slot], body)), inside, reach);
@@ -90,7 +99,7 @@ bool Relaxation<Dim>::keepsSide(const Run& run, std::uint32_t slot) {
 template <int Dim>
 bool Relaxation<Dim>::keepsWall() {
     std::atomic<bool> keeps{true};
-    const double grow = 1 + 0.03 * static_cast<double>(delta_);
+    const double grow = 1 + kRoom * static_cast<double>(delta_);
     parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
         Run& run = runs_[k];
         bool asked = false;
@@ -100,12 +109,13 @@ bool Relaxation<Dim>::keepsWall() {
             const Home home = whereIs(now_.homes[i], body);
             if (boundary_ && !keepsSide(run, i)) keeps.store(false, std::memory_order_relaxed);
             if (walls_.allows(home, body, grow)) continue;
-            walls_.ask(home, body, wallMargin(body.radius), now_.vicinities[i]);
+            walls_.ask(home, body, wallMargin(i), now_.vicinities[i]);
             asked = true;
         }
         if (!asked) return;
         keeps.store(false, std::memory_order_relaxed);
         listPlanes(run);
+        run.wallMembers = run.members.size();
     });
     return !anyOver(ranks_, !keeps);
 }

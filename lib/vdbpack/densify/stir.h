@@ -41,17 +41,18 @@ void mixSizes(std::uint64_t seed, std::uint64_t stage, std::size_t fixed,
 /// Moves circles at random within the domain: a front leaves equal ones in rows along the wall.
 /// @param fixed   number of the first spheres, which stay where they are.
 /// @param labels  numbers of the spheres among those of all ranks; empty: their indices.
+/// @param way     largest way along each axis, in radii.
 template <int Dim>
 void stir(std::uint64_t seed, const Domain<Dim>& domain, std::size_t fixed,
-          const std::vector<std::uint32_t>& labels, std::vector<Sphere<Dim>>& spheres) {
-    constexpr double kWay = 0.8;  // in radii along each axis
+          const std::vector<std::uint32_t>& labels, std::vector<Sphere<Dim>>& spheres,
+          double way = 0.8) {
     parallelFor(IndexRange(fixed, spheres.size(), 1024), [&](const IndexRange& part) {
         const auto sampler = domain.sampler();
         for (std::size_t i = part.begin(); i < part.end(); ++i) {
             RandomStream random(seed ^ 0x7374697272696e67ull, labels.empty() ? i : labels[i]);
             Sphere<Dim>& s = spheres[i];
             Vec<Dim> to = s.center;
-            for (int d = 0; d < Dim; ++d) to[d] += kWay * s.radius * (2 * random.uniform() - 1);
+            for (int d = 0; d < Dim; ++d) to[d] += way * s.radius * (2 * random.uniform() - 1);
             if (sampler->signedDistance(to) < -0.5 * s.radius) s.center = to;
         }
     });

@@ -25,7 +25,7 @@ struct WallPlane {
     }
     /// How far a ball whose center is at `distance` crosses the plane, divided by that distance.
     float overlap(float distance, float radius) const {
-        return (radius - distance) / std::max(distance, 0.1f * radius);
+        return (radius - distance) * inverse(std::max(distance, 0.1f * radius));
     }
 };
 

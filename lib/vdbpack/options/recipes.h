@@ -64,6 +64,8 @@ struct PackRecipe : RunSettings {
     /// How spheres are moved and added afterwards, with the gap of `packing`; fraction 0: they are
     /// not.
     DensifyOptions densify;
+    /// Whether the front's spheres are settled (`DensifyOptions::settle`).
+    bool settle = false;
     VoidRecipe voids;
     std::string existing;  ///< pack file with spheres to pack around; empty: none
     /// What a program has in memory, mm, in place of the file that `existing` names in messages.

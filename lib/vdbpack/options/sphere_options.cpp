@@ -31,6 +31,8 @@ const Names<Order> kOrders{named(Order::sweep),
                            {"center", Order::center},
                            named(Order::fifo)};
 
+const Names<bool> kOnOff{{"on", true}, {"off", false}};
+
 double solidFractionIn(const std::string& text) {
     if (text == "max") return std::numeric_limits<double>::infinity();
     double fraction = 0;
@@ -112,6 +114,10 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
     densifyOption(rows, recipe.densify.fraction,
                   "after packing, move and add spheres until the solid fraction is F, or as high "
                   "as possible (max); radii do not change");
+    rows.choice("settle", "on|off [off]", recipe.settle, kOnOff,
+                "after packing, move the spheres until neither their contacts nor their density "
+                "tell where the packing began: isotropic packs of the same spheres, with fewer "
+                "contacts and in three to five times the time");
     rows.text("existing", "FILE", recipe.existing,
               "pack around the spheres of a file in any pack format; outputs contain these "
               "spheres first, unchanged")

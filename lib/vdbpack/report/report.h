@@ -112,11 +112,12 @@ struct Report {
     std::optional<VoidReport> voids;  ///< nothing if neither voids nor a shell were requested
 
     struct Seconds {
-        double mesh = 0, domain = 0, pack = 0, densify = 0, voids = 0, measure = 0, write = 0,
-               total = 0;
+        double mesh = 0, domain = 0, pack = 0, settle = 0, densify = 0, voids = 0, measure = 0,
+               write = 0, total = 0;
         std::vector<std::pair<const char*, double>> stages() const {
-            return {{"mesh", mesh},   {"domain", domain},   {"pack", pack},  {"densify", densify},
-                    {"voids", voids}, {"measure", measure}, {"write", write}};
+            return {{"mesh", mesh},       {"domain", domain},   {"pack", pack},
+                    {"settle", settle},   {"densify", densify}, {"voids", voids},
+                    {"measure", measure}, {"write", write}};
         }
     } seconds;
     std::uint64_t peakMemoryBytes = 0;

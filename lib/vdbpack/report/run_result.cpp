@@ -237,9 +237,9 @@ nlohmann::ordered_json toJson(const DryRun& f) {
     json["spheres"] = {
         {"count", whole(f.count)}, {"existing", whole(f.existing)}, {"requested", f.sizes}};
     json["solidFraction"] = {{"total", f.solidFraction}};
-    json["seconds"] = {{"mesh", s.mesh},       {"domain", s.domain}, {"pack", s.pack},
-                       {"densify", s.densify}, {"voids", s.voids},   {"measure", s.measure},
-                       {"total", s.total}};
+    json["seconds"] = {{"mesh", s.mesh},       {"domain", s.domain},   {"pack", s.pack},
+                       {"settle", s.settle},   {"densify", s.densify}, {"voids", s.voids},
+                       {"measure", s.measure}, {"total", s.total}};
     json["peakMemoryBytes"] = whole(f.estimate.memory());
     for (const auto& part : f.estimate.parts) json["memory"][part.name] = whole(part.bytes);
     json["files"] = Json::array();
@@ -262,10 +262,11 @@ std::string summary(const DryRun& f) {
                              f.densified ? "" : "; denser packs are not reached"));
     if (f.voxelSize > 0) row("field", fmt::format("voxels of {:.4g} mm", f.voxelSize));
     row("seconds",
-        fmt::format("mesh {:.2f}, domain {:.2f}, pack {:.2f}, densify {:.2f}, voids {:.2f}, "
-                    "measure {:.2f}, total {:.2f} on {} thread{}",
-                    s.mesh, s.domain, s.pack, s.densify, s.voids, s.measure, s.total, f.threads,
-                    f.threads == 1 ? "" : "s"));
+        fmt::format(
+            "mesh {:.2f}, domain {:.2f}, pack {:.2f}, settle {:.2f}, densify {:.2f}, voids {:.2f}, "
+            "measure {:.2f}, total {:.2f} on {} thread{}",
+            s.mesh, s.domain, s.pack, s.settle, s.densify, s.voids, s.measure, s.total, f.threads,
+            f.threads == 1 ? "" : "s"));
     row("memory", fmt::format("about {} at most: {}", bytesText(f.estimate.memory()),
                               f.estimate.memoryText()));
     for (const auto& file : f.estimate.files)

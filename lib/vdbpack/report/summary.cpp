@@ -282,10 +282,11 @@ void addRun(Summary& out, const Report& r, const DimensionWords& words) {
     out.line("seconds", seconds + fmt::format("total {:.2f} on {}{} thread{}", r.seconds.total,
                                               processes, r.threads, r.threads == 1 ? "" : "s"));
     if (r.seconds.pack > 0 && r.count > 0)
-        out.line("", fmt::format("{} {} placed per second",
-                                 grouped(static_cast<std::uint64_t>(static_cast<double>(r.count) /
-                                                                    r.seconds.pack)),
-                                 words.spheres));
+        out.line("", fmt::format(
+                         "{} {} placed per second",
+                         grouped(static_cast<std::uint64_t>(static_cast<double>(r.count) /
+                                                            (r.seconds.pack + r.seconds.settle))),
+                         words.spheres));
     if (r.peakMemoryBytes > 0)
         out.line("memory", fmt::format("{:.0f} MiB at most{}",
                                        static_cast<double>(r.peakMemoryBytes) / (1 << 20),

@@ -50,7 +50,7 @@ DryRun dryRunPack(const PackRecipe& asked, const Callbacks& callbacks) {
         const double slower = (1 + 0.1 * (run.threads - 1)) / run.threads;
         Report::Seconds& s = run.seconds;
         s.mesh = s.total = mesh;
-        for (double* stage : {&s.domain, &s.pack, &s.densify, &s.voids, &s.measure})
+        for (double* stage : {&s.domain, &s.pack, &s.settle, &s.densify, &s.voids, &s.measure})
             s.total += * stage *= slower;
         return run;
     });

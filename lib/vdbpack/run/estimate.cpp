@@ -192,7 +192,8 @@ Report::Seconds secondsOf(const Extent& e, const PackRecipe& recipe, double mean
     s.pack = searched * plane *
              (4.3e-6 * e.count * std::max(1.0, 0.55 * largest / mean) + 2.5e-6 * atWalls);
     // Towards the densest pack a sphere takes ever longer.
-    if (dense > 0) s.densify = searched * e.count * (dense < 1 ? 14e-6 / (1.1 - dense) : 400e-6);
+    if (dense > 0) s.densify = searched * e.count * (dense < 1 ? 8e-6 / (1.1 - dense) : 280e-6);
+    if (recipe.settle) s.settle = searched * e.count * 9e-6;
     // For a foam in space, a pack is densified; its targets are fitted on images.
     s.voids = (e.voids.foam && e.dim == 3 ? 28e-9 : 9e-9) * stampBytes(e) + 5e-6 * e.imageVoxels;
     s.measure = plane * (triangles > 0 ? 3e-6 : 1e-6) * e.kept * e.count + 1e-6 * triangles + clips;
@@ -358,7 +359,7 @@ PackPlan planPack(const PackRecipe& recipe, const DomainSource& source, bool clo
     const FieldRadii& radii = plan.radii = fieldRadii(recipe, requested, source, e, ball);
     e.field = source.plan(radii.detail, radii.reach, voxel);
     e.searching = requested.targetCount > 0;
-    e.densifying = recipe.densify.fraction > 0;
+    e.densifying = recipe.densify.fraction > 0 || recipe.settle;
     e.solid = recipe.voids.fill == Fill::solid;
     if (const auto labels = labelGridOf(recipe.outputs, {&source}, recipe.memoryLimit))
         e.labelVoxels = static_cast<double>(labels->voxels());

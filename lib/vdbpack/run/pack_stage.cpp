@@ -199,6 +199,8 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const SourcePtr& source,
         densify.gap = recipe.packing.gap;
         densify.mixSizes = true;
         densifyStage(*run, std::move(densify));
+    } else if (recipe.settle) {
+        settleStage(*run, recipe.packing.gap);
     }
     cutStage(*run, voidsMade);
     return run;

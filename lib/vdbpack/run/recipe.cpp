@@ -78,12 +78,20 @@ void checkLocalSizes(const PackRecipe& recipe) {
 
 /// Refuses settings of one domain that exclude one another.
 void checkPacking(const PackRecipe& recipe) {
-    if (recipe.densify.fraction > 0 && recipe.packing.maxCount > 0)
-        throw ParameterError("`maxCount` and `densify` cannot be combined; leave one out");
-    if (recipe.densify.fraction > 0 && recipe.voids.as<FrontHoles>())
-        throw ParameterError("`densify` would move the holes among the spheres of `voids` " +
-                             nameOf(recipe.voids) +
-                             "; use voids that are cut afterwards, such as boolean");
+    const bool denser = recipe.densify.fraction > 0;
+    if (denser && recipe.settle)
+        throw ParameterError(
+            "`settle` and `densify` cannot be combined: spheres made denser are "
+            "moved as well; leave out `settle`");
+    const char* const moved = denser ? "densify" : recipe.settle ? "settle" : nullptr;
+    if (moved && recipe.packing.maxCount > 0)
+        throw ParameterError(
+            fmt::format("`maxCount` and `{}` cannot be combined; leave one out", moved));
+    if (moved && recipe.voids.as<FrontHoles>())
+        throw ParameterError(
+            fmt::format("`{}` would move the holes among the spheres of `voids` {}; use voids that "
+                        "are cut afterwards, such as boolean",
+                        moved, nameOf(recipe.voids)));
     if (recipe.domain.shellFrom == ShellFrom::outer && recipe.voids.as<FrontHoles>())
         throw ParameterError("`shellFrom` outer: `voids` " + nameOf(recipe.voids) +
                              " keep the thickness of the shell from all walls; use voids that are "

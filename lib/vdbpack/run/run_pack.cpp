@@ -152,6 +152,7 @@ void checkRanks(const PackRecipe& recipe) {
     const char* const alone = "leave it out, or start one process with all threads";
     refuse(recipe.densify.fraction > 0 && !recipe.existing.empty(),
            "`densify` around `existing` spheres", alone);
+    refuse(recipe.settle && !recipe.existing.empty(), "`settle` around `existing` spheres", alone);
     refuse(recipe.images, "`images` of a periodic cell", "convert a file that was written");
     refuse(recipe.voids.keepConnected, "`keepConnected`", alone);
     refuse(recipe.voids.as<Thinning>() || recipe.voids.as<FrontHoles>(),

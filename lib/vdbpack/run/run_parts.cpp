@@ -141,7 +141,7 @@ double secondsOf(const PackedParts& packed) {
     for (const auto& run : packed.runs)
         if (run) {
             const Report::Seconds& s = run->report.seconds;
-            sum += s.domain + s.pack + s.densify + s.voids;
+            sum += s.domain + s.pack + s.settle + s.densify + s.voids;
         }
     return sum;
 }
@@ -254,6 +254,7 @@ private:
     void addSeconds(const Report::Seconds& s) {
         all_.seconds.domain += s.domain;
         all_.seconds.pack += s.pack;
+        all_.seconds.settle += s.settle;
         all_.seconds.densify += s.densify;
         all_.seconds.voids += s.voids;
     }

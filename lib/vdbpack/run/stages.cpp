@@ -122,17 +122,53 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
     checkPreview<Dim>(run.settings.preview, run.domain(), run.hasPack ? &run.pack : nullptr);
 }
 
+namespace {
+
+/// What the run says of any pack that is relaxed.
 template <int Dim>
-void densifyStage(Run<Dim>& run, DensifyOptions options) {
-    if (!run.goesOn() || sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()}) == 0) return;
+void completeOptions(const Run<Dim>& run, DensifyOptions& options) {
     if (run.sizes) options.sizes = run.sizes->all;
     options.seed = run.settings.seed;
     options.fixed = run.facts.fixed;
     options.ranks = run.ranks();
     options.local = run.local();
+}
+
+}  // namespace
+
+template <int Dim>
+void densifyStage(Run<Dim>& run, DensifyOptions options) {
+    if (!run.goesOn() || sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()}) == 0) return;
+    completeOptions(run, options);
     densifyPack(run.filled(), std::move(options), run.share.pieces, run.pack, run.report,
                 run.callbacks);
     run.report.seconds.densify += run.clock.lap();
+}
+
+template <int Dim>
+void settleStage(Run<Dim>& run, double gap) {
+    if (!run.goesOn() || sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()}) == 0) return;
+    DensifyOptions options;
+    completeOptions(run, options);
+    options.settle = true;
+    options.gap = gap;
+    if (options.ranks) {
+        options.labels.assign(run.pack.order.begin(), run.pack.order.end());
+        options.pieces = run.share.pieces;
+    } else if (!options.local) {
+        options.regions = run.pack.region;
+    }
+    auto result = densify(run.filled(), run.pack.spheres, options, run.callbacks);
+    run.pack.spheres = std::move(result.spheres);
+    if (!options.ranks && !options.local && !options.regions.empty())
+        run.pack.region = std::move(result.regions);
+    run.report.interrupted = run.report.interrupted || result.interrupted;
+    if (!result.apart && !result.interrupted)
+        run.callbacks.warn(fmt::format(
+            "`settle`: overlaps were left after {} steps; the pack is the front's. Give another "
+            "seed, or smaller radii",
+            result.steps));
+    run.report.seconds.settle += run.clock.lap();
 }
 
 void solidStage(Run<3>& run, double detail, double reach) {
@@ -278,6 +314,7 @@ void measureStage(Run<Dim>& run) {
 #define VDBPACK_INSTANTIATE(Dim)                                                 \
     template void domainStage(Run<Dim>&, const Extent&, double, double, double); \
     template void densifyStage(Run<Dim>&, DensifyOptions);                       \
+    template void settleStage(Run<Dim>&, double);                                \
     template void cutStage(Run<Dim>&, bool);                                     \
     template SphereRows rowsOf(const Run<Dim>&);                                 \
     template void measureStage(Run<Dim>&);

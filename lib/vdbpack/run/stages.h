@@ -203,6 +203,9 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
 /// @param options  fraction, gap and mixSizes; the others follow from the run.
 template <int Dim>
 void densifyStage(Run<Dim>& run, DensifyOptions options);
+/// Leaves nothing in the pack that tells where the front began (`DensifyOptions::settle`).
+template <int Dim>
+void settleStage(Run<Dim>& run, double gap);
 
 /// What a run leaves of its domain.
 SolidTest solidOf(const Run<3>& run);
