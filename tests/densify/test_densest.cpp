@@ -10,13 +10,17 @@ TEST_CASE("equal spheres get denser without crystallizing", "[long]") {
     struct Case {
         double fraction, most;  // share in crystalline order
     };
-    for (const Case& c : {Case{0.6, 0.03}, Case{kMax, 0.08}}) {
+    for (const Case& c : {Case{0.6, 0.02}, Case{kMax, 0.08}}) {
         CAPTURE(c.fraction);
-        const auto result = densify(*domain, before, to<3>(c.fraction, "constant:1"));
-        CHECK(result.after > 0.5999);
-        CHECK(solidLikeShare(result.spheres) < c.most);
-        checkSound(result.spheres, *domain);
-        if (c.fraction == kMax) CHECK(result.after > 0.608);
+        double share = 0;  // of three seeds
+        auto options = to<3>(c.fraction, "constant:1");
+        for (options.seed = 1; options.seed <= 3; ++options.seed) {
+            const auto result = densify(*domain, before, options);
+            CHECK(result.after > (c.fraction == kMax ? 0.608 : 0.5999));
+            share += solidLikeShare(result.spheres) / 3;
+            checkSound(result.spheres, *domain);
+        }
+        CHECK(share < c.most);
     }
 }
 

@@ -44,7 +44,7 @@ DIM_TEST_CASE("spheres of a densified pack touch their neighbors") {
         const auto contacts = countContacts(result.spheres, 1e-3);
         CHECK(contacts.meanOfSpheres > (Dim == 3 ? 4.8 : 3.0));
         if (Dim == 3) CHECK(contacts.largestComponent > 0.99);
-        CHECK(countContacts(result.spheres, 1e-4).meanOfSpheres > (Dim == 3 ? 3.9 : 2.7));
+        CHECK(countContacts(result.spheres, 1e-4).meanOfSpheres > (Dim == 3 ? 4.2 : 2.7));
         checkSound(result.spheres, *domain);
     }
 }
@@ -252,7 +252,7 @@ TEST_CASE("no sphere leaves a wall of triangles") {
     CHECK(result.reached);
     CHECK(checkOverlap(result.spheres).max == 0);
     CHECK(checkProtrusion(result.spheres, mesh).max == 0);
-    CHECK(countContacts(result.spheres, 1e-3).meanOfSpheres > 3.7);  // beside the walls
+    CHECK(countContacts(result.spheres, 1e-3).meanOfSpheres > 4);
 }
 
 TEST_CASE("a pack that is interrupted while it gets denser is the last that was apart") {

@@ -43,7 +43,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3003},
     {"lib/vdbpack/run", 5186},
     {"tools", 3806},
-    {"tests", 31833},
+    {"tests", 31837},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

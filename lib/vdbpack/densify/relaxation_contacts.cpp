@@ -1,4 +1,4 @@
-// Spheres that are apart, drawn together until they touch; and those of a front, settled.
+// Spheres that are apart are drawn together until they touch; spheres of a front are settled.
 #include "vdbpack/densify/relaxation.h"
 
 #include <algorithm>

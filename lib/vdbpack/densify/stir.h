@@ -38,7 +38,7 @@ void mixSizes(std::uint64_t seed, std::uint64_t stage, std::size_t fixed,
     }
 }
 
-/// Moves circles at random within the domain: a front leaves equal ones in rows along the wall.
+/// Moves spheres at random within the domain: before a front settles, and equal circles in rows.
 /// @param fixed   number of the first spheres, which stay where they are.
 /// @param labels  numbers of the spheres among those of all ranks; empty: their indices.
 /// @param way     largest way along each axis, in radii.
