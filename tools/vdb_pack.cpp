@@ -156,11 +156,13 @@ int dryRun(const PackJob& job, const PrintOptions& how, const Callbacks& callbac
     return kDone;
 }
 
-/// A run for each of several seeds.
+/// A run for each of several seeds and cases.
 template <class Job>
 int study(const Job& job, const PrintOptions& how, const Callbacks& callbacks) {
     const std::string& table = job.study.table;
-    const StudyResult result = runStudy(job, job.study.seeds, table, callbacks);
+    auto cases = job.cases;
+    if (cases.empty()) cases.push_back(job);
+    const StudyResult result = runStudy(cases, job.study.seeds, table, callbacks);
     clearProgressLine();
     if (how.json) {
         auto all = nlohmann::ordered_json::array();
@@ -218,6 +220,9 @@ struct Perform {
     }
     int operator()(const MeasureRecipe& recipe) const {
         return printed(runMeasure(recipe, callbacks));
+    }
+    int operator()(const StiffnessRecipe& recipe) const {
+        return printed(runStiffness(recipe, callbacks));
     }
     int operator()(const ConvertRecipe& recipe) const {
         return printed(runConvert(recipe, callbacks));

@@ -87,7 +87,7 @@ Outcome outcomeOf(RunResult&& run, bool hasPack) {
 
 void requireOne(const Study& study) {
     if (!study.isOne())
-        throw ParameterError("seed: one run at a time; loop over the seeds of a study");
+        throw ParameterError("one run at a time; loop over the seeds and values of a study");
 }
 
 /// Each command.
@@ -124,6 +124,9 @@ struct Perform {
     }
     Outcome operator()(const MeasureRecipe& job) const {
         return tableOf(runMeasure(job, callbacks));
+    }
+    Outcome operator()(const StiffnessRecipe& job) const {
+        return tableOf(runStiffness(job, callbacks));
     }
     Outcome operator()(const ConvertRecipe& job) const {
         return tableOf(runConvert(job, callbacks));

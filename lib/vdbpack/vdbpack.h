@@ -11,17 +11,19 @@
 //   verify    verifyPack, checkOverlap, checkProtrusion: independent of the packer
 //   measure   solidFraction, interiorFraction, densityProfile, countContacts, listContacts,
 //             pairCorrelation; measureMorphometry of a solid
+//   bonds     bondsOf, apparentStiffness, elasticityOf
 //   meshes    readMesh, welded, checkMesh, repairMesh, writeStl
 //   files     readPack, writePack, writeContacts
 //   pictures  renderPreview
 // Whole runs, as the command line makes them, each from a recipe: runPack, runVoids, runCarve,
-// runDensify, runVerify, runMeasure, runMesh, runConvert.
+// runDensify, runVerify, runMeasure, runStiffness, runMesh, runConvert.
 //
 // Lengths are millimeters, distances are negative inside. Options are structures whose fields are
 // set by name. Callbacks report progress and warnings, and ask whether to stop. Errors are
 // exceptions (core/error.h) that state what is wrong, where, the value and a remedy.
 #pragma once
 
+#include "vdbpack/bonds/bonds.h"
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/error.h"

@@ -97,6 +97,7 @@ TEST_CASE("lengths and shares that cannot be are refused") {
          {"pack ball:9 --slice z=nan", 2, "'z=nan' z=V"},
          {"pack ball:9 --clip plane:1,0,0,-50", 3, "clip"},
          {"pack @ball.obj --clip plane:1,0,0,-50", 3, "clip"},
+         {"pack @ball.obj --clip plane:1,0,0,-50 --dry-run", 3, "clip left"},
          {"pack ball:9 --clip plane:0,0,0,1", 2, "clip plane:nx,ny,nz,d"},
          {"pack ball:9 --clip plane:nan,0,0,1", 2, "'plane:nan,0,0,1' plane:nx,ny,nz,d"},
          {"pack ball:nan", 2, "'ball:nan' ball:R"},

@@ -82,12 +82,10 @@ TEST_CASE("a file that is not there is reported with the one that was meant") {
     CHECK_THAT(asked(wordsIn("pack @tibia.obj", folder.path())).text, !Contains("mean"));
 }
 
-TEST_CASE("verify says what has passed, and that another unit gives another hash") {
+TEST_CASE("verify says what has passed") {
     const TemporaryFolder folder;
     const std::string file = folder.file("p.csv");
-    const auto pack = vdbPack("pack ball:5 --radius constant:1 --out-unit m -o " + file);
-    CHECK_THAT(pack.text, Contains("files in m round them"));
-    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 -o " + file).text, !Contains("round"));
+    REQUIRE(vdbPack("pack ball:5 --radius constant:1 --out-unit m -o " + file).code == 0);
     CHECK_THAT(vdbPack("verify " + file + " --domain ball:5").text,
                Contains("passed: overlap and protrusion"));
     CHECK_THAT(vdbPack("verify " + file).text,

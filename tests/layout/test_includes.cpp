@@ -21,10 +21,10 @@ namespace fs = std::filesystem;
 
 /// A file may include its own room, which is a folder with its sub-folders, and earlier rooms, so
 /// that no cycle runs through folders. vdbpack.h, at the root, is for users alone.
-const std::vector<std::string> kRooms{"core",    "io",          "mesh",    "verify", "image",
-                                      "field",   "repair",      "domain",  "pack",   "densify",
-                                      "measure", "voids",       "formats", "report", "preview",
-                                      "view",    "distributed", "options", "run"};
+const std::vector<std::string> kRooms{"core",    "io",     "mesh",        "verify",  "image",
+                                      "field",   "repair", "domain",      "pack",    "densify",
+                                      "measure", "bonds",  "voids",       "formats", "report",
+                                      "preview", "view",   "distributed", "options", "run"};
 
 /// The files that `verify` may include besides its own: plain values and triangles, nothing that
 /// finds, places or accepts spheres.

@@ -111,13 +111,13 @@ TEST_CASE("an interrupted study keeps the complete rows, and leaves the table of
     const TemporaryFolder folder;
     const std::string table = folder.file("t.csv");
     const PackJob recipe = recipeFor("box:20,20,20", "uniform:1,2");
-    runStudy(recipe, {1, 2, 3}, table);
+    runStudy({recipe}, {1, 2, 3}, table);
     const auto former = std::filesystem::file_size(table);
     int packs = 0;
     Callbacks callbacks;
     callbacks.progress = [&](const Progress& p) { packs += p.stage == "measure"; };
     callbacks.cancelled = [&] { return packs >= 2; };
-    const auto study = runStudy(recipe, {1, 2, 3}, table, callbacks);
+    const auto study = runStudy({recipe}, {1, 2, 3}, table, callbacks);
     CHECK(study.interrupted);
     CHECK(study.reports.size() == 1);
     CHECK(std::filesystem::file_size(table) == former);

@@ -204,7 +204,7 @@ TEST_CASE("a study makes the packs that single runs make") {
     recipe.targetCount = 600;
     recipe.reportFile = folder.file("p{seed}.json");
     const std::vector<std::uint64_t> seeds{3, 1, 20};
-    const StudyResult study = runStudy(recipe, seeds, folder.file("t.csv"));
+    const StudyResult study = runStudy({recipe}, seeds, folder.file("t.csv"));
     REQUIRE(study.passed);
     REQUIRE(study.reports.size() == 3);
     const auto rows = rowsOf(folder.file("t.csv"));
@@ -237,7 +237,7 @@ TEST_CASE("a study makes the packs that single runs make") {
         if (std::filesystem::exists(folder.file("q1.csv")))
             std::filesystem::create_directory(folder.file("q20.csv"));
     };
-    CHECK_THROWS_AS(runStudy(recipe, seeds, folder.file("kept.csv"), spoiling), IoError);
+    CHECK_THROWS_AS(runStudy({recipe}, seeds, folder.file("kept.csv"), spoiling), IoError);
     CHECK(rowsOf(folder.file("kept.csv")).size() == 3);
 }
 
@@ -259,7 +259,7 @@ TEST_CASE("the table of a study has BV/TV, regions and connectivity") {
     PackJob recipe = recipeFor("ball:6", "uniform:0.5,1");
     setVoids(recipe.request, "boolean", "constant:1", 0.6);
     recipe.request.shell = 2;
-    const StudyResult study = runStudy(settled(recipe), {1, 2}, folder.file("t.csv"));
+    const StudyResult study = runStudy({settled(recipe)}, {1, 2}, folder.file("t.csv"));
     const auto rows = rowsOf(folder.file("t.csv"));
     for (std::size_t k = 0; k < 2; ++k) {
         const Report& report = study.reports[k];
@@ -272,7 +272,7 @@ TEST_CASE("the table of a study has BV/TV, regions and connectivity") {
     }
     CHECK_THAT(summary(study), Contains("BV/TV") && Contains("cortical"));
     // Without voids there are none.
-    runStudy(recipeFor("ball:4", "constant:1"), {1}, folder.file("p.csv"));
+    runStudy({recipeFor("ball:4", "constant:1")}, {1}, folder.file("p.csv"));
     CHECK(cellOf(rowsOf(folder.file("p.csv")), 1, "bvtv").empty());
 }
 
@@ -282,7 +282,7 @@ TEST_CASE("voids of several seeds are those of single runs, a row each") {
     auto recipe = voidsIn(folder.file("b.obj"), "list:" + folder.file("v{seed}.csv"));
     setVoids(recipe.request, "boolean", "constant:1");
     recipe.request.count = 20;
-    const StudyResult study = runStudy(settled(recipe), {5, 9}, folder.file("t.csv"));
+    const StudyResult study = runStudy({settled(recipe)}, {5, 9}, folder.file("t.csv"));
     const auto rows = rowsOf(folder.file("t.csv"));
     REQUIRE(rows.size() == 3);
     for (std::size_t k = 0; k < 2; ++k) {
@@ -298,5 +298,5 @@ TEST_CASE("voids of several seeds are those of single runs, a row each") {
     }
     CHECK_THAT(summary(study), Contains("BV/TV") && !Contains("spheres"));
     recipe.outputs = {"list:" + folder.file("v.csv")};
-    CHECK_THROWS_WITH(runStudy(settled(recipe), {5, 9}, ""), Contains("{seed}"));
+    CHECK_THROWS_WITH(runStudy({settled(recipe)}, {5, 9}, ""), Contains("{seed}"));
 }

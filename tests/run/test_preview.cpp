@@ -114,7 +114,7 @@ TEST_CASE("each seed of a study has its picture") {
     const TemporaryFolder folder;
     auto recipe = drawn("rect:30,20", folder.file("a.png"));
     recipe.preview.file = folder.file("a{seed}.png");
-    runStudy(recipe, {1, 2}, "");
+    runStudy({recipe}, {1, 2}, "");
     CHECK(isPng(folder.file("a1.png")));
     CHECK(isPng(folder.file("a2.png")));
     CHECK(contentOf(folder.file("a1.png")) != contentOf(folder.file("a2.png")));

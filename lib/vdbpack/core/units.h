@@ -33,9 +33,9 @@ inline double millimetersPer(Unit unit) {
 inline double fromMillimeters(double mm, Unit unit) {
     return unit == Unit::micrometer ? mm * 1000.0 : mm / millimetersPer(unit);
 }
-inline double toMillimeters(double value, Unit unit) {
-    return unit == Unit::micrometer ? value / 1000.0 : value * millimetersPer(unit);
-}
+/// The mm that `fromMillimeters` makes `value` of. Where neighboring doubles do, the one with the
+/// fewest binary digits: centers and radii of packs have few, and come back from files as they were.
+double toMillimeters(double value, Unit unit);
 
 /// Beginning of the comment that names the unit in .stl, .ply and YADE files.
 inline constexpr const char* kUnitComment = "unit of length: ";

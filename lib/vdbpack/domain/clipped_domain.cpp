@@ -201,12 +201,12 @@ bool cutAlongAxes(const std::vector<HalfSpace<Dim>>& planes, Box<Dim>& box) {
     return all;
 }
 
+}  // namespace
+
 InputError nothingLeft() {
     return InputError(
         "clip: nothing is left of the domain; check the side that the planes keep (n.x <= d)");
 }
-
-}  // namespace
 
 template <int Dim>
 std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Dim>> domain,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
+#include "vdbpack/core/error.h"
 #include "vdbpack/domain/domain.h"
 
 #include <memory>
@@ -19,6 +20,9 @@ template <int Dim>
 std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Dim>> domain,
                                                  const std::vector<HalfSpace<Dim>>& planes,
                                                  std::shared_ptr<const Domain<Dim>> envelope = {});
+
+/// The error of clips that leave nothing.
+InputError nothingLeft();
 
 /// The plane z = `height` of a 3D domain, as a domain of the plane (x, y).
 /// @throws InputError if the plane misses the domain, ParameterError if the height is not finite

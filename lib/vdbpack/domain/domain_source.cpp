@@ -269,7 +269,7 @@ double DomainSource::leftVolume(bool byParts) const {
             else
                 box.lo[d] = std::max(box.lo[d], h.offset / along);
         }
-    if (box.empty()) return 0;
+    if (box.empty()) throw nothingLeft();
     const MeshSides sides(*mesh_, false);
     std::vector<MeshSides> around;
     if (byParts)
@@ -285,7 +285,9 @@ double DomainSource::leftVolume(bool byParts) const {
                         [&](const MeshSides& outside) { return outside.inside(x); }))
             ++inside;
     }
-    return box.volume() * static_cast<double>(inside) / static_cast<double>(kVolumePoints);
+    // What no point has found may still be there.
+    return box.volume() * std::max(static_cast<double>(inside), 0.5) /
+           static_cast<double>(kVolumePoints);
 }
 
 bool DomainSource::hasCavities() const {

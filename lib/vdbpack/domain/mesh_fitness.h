@@ -3,7 +3,7 @@
 
 #include "vdbpack/core/progress.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/repair/repair_report.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -23,6 +23,7 @@ struct Prefix {
 };
 constexpr Prefix kPrefixes[] = {
     {"contacts:", OutputKind::contacts, nullptr, ""},
+    {"bonds:", OutputKind::bonds, nullptr, ""},
     {"list:", OutputKind::voidList, nullptr, ""},
     {"materials:", OutputKind::materials, ".csv", ""},
     {"surface:", OutputKind::contour, ".stl", kSurface},
@@ -83,7 +84,8 @@ bool OutputTarget::isSolid() const {
 }
 
 bool OutputTarget::listsPairs() const {
-    return kind == OutputKind::contacts || startsWith(text, "lammps-bonds:");
+    return kind == OutputKind::contacts || kind == OutputKind::bonds ||
+           startsWith(text, "lammps-bonds:");
 }
 
 std::string filePart(const std::string& name) {

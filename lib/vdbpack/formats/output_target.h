@@ -8,6 +8,7 @@ namespace vdbpack {
 enum class OutputKind {
     pack,
     contacts,
+    bonds,
     voidList,
     materials,
     labels,

@@ -4,6 +4,7 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/material_file.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_file.h"
@@ -226,9 +227,13 @@ void checkOutputKinds(const std::vector<OutputTarget>& outputs, RunKind run,
                       const VoidRecipe& voids, int dim) {
     for (const OutputTarget& target : outputs) {
         const std::string& output = target.text;
-        if (run == RunKind::measure && target.kind != OutputKind::contacts)
+        if (run == RunKind::measure && target.kind != OutputKind::contacts &&
+            target.kind != OutputKind::bonds)
             throw ParameterError(output +
-                                 ": measure writes contact lists alone; name it contacts:FILE.csv");
+                                 ": pairs of spheres alone are written; name it contacts:FILE.csv, "
+                                 "or bonds:FILE.csv");
+        if (target.kind == OutputKind::bonds && dim == 2)
+            throw ParameterError(output + ": bonds join spheres; leave it out");
         const bool solid = target.isSolid();
         const bool levelSet = solid && target.kind != OutputKind::pack;
         if (target.kind == OutputKind::labels && dim == 2)
@@ -292,6 +297,12 @@ std::vector<std::string> writeOutput(const OutputTarget& target, const RunOutput
                 *have.pack,
                 listContacts(have.pack->spheres, have.options.contactTolerance, have.pack->cell),
                 target.file, have.options.unit);
+            break;
+        case OutputKind::bonds:
+            need(have.pack != nullptr, "pack");
+            if constexpr (Dim == 3)
+                writeBonds(*have.pack, bondsIn(*have.pack, have.options.bonds), target.file,
+                           have.options.unit);
             break;
         case OutputKind::materials:
             need(have.pack != nullptr, "pack");

@@ -66,7 +66,8 @@ struct RunOutputs {
 ///
 /// - a pack, as `writePack` names them, a .usda with the contour of `solid`, or else with the
 ///   triangles of a mesh; where there is no pack, a .vdb of the level sets;
-/// - "contacts:FILE.csv", the touching pairs; "list:FILE.csv", the voids; "materials:FILE.csv",
+/// - "contacts:FILE.csv", the touching pairs; "bonds:FILE.csv", the same as `writeBonds` has them;
+///   "list:FILE.csv", the voids; "materials:FILE.csv",
 ///   the materials that files of DEM programs number;
 /// - "labels:FILE", the ids of the spheres + 1 as a label map (.nii .nii.gz .nrrd .mha);
 ///   "labels-regions:", "labels-parts:" and "labels-materials:", these numbers + 1;

@@ -1,6 +1,7 @@
 // Files of packs, by the extension of their name, and of their contacts.
 #pragma once
 
+#include "vdbpack/bonds/bonds.h"
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
@@ -46,8 +47,9 @@ struct PackWriteOptions {
     double particleDensity = 0;
     /// The same by material (`Materials::withoutClass`); other materials have `particleDensity`.
     std::map<std::int32_t, double> materialDensity;
-    /// Bonds are written up to this gap, in radii of the smaller sphere.
+    /// Pairs in contact are written up to this gap, in radii of the smaller sphere.
     double contactTolerance = 1e-3;
+    BondOptions bonds;
     /// Drawn around the circles of an .svg, and part of the picture: the bounds of the domain, mm.
     std::optional<Box<2>> frame;
     /// Of a periodic cell, write the images that protrude into it, too (`withImages`), but not for

@@ -18,7 +18,15 @@ namespace vdbpack {
 
 namespace {
 
-void add(CLI::App& app, const Option& option) {
+/// Whether a study may give an option several values.
+bool canVary(const Option& option) {
+    return option.inRecipes && option.name != "seed" &&
+           (option.kind == OptionKind::number || option.kind == OptionKind::length ||
+            option.kind == OptionKind::count);
+}
+
+/// @param studies  whether numbers may be lists.
+void add(CLI::App& app, const Option& option, bool studies) {
     const std::string help = withOptionNames(option.help);
     const std::string letter = option.letter.empty() ? "" : '-' + option.letter + ',';
     const std::string names = letter + optionName(option.name);
@@ -29,8 +37,11 @@ void add(CLI::App& app, const Option& option) {
     else
         added = app.add_option(
             names,
-            [&option](const CLI::results_t& texts) {
-                for (const std::string& text : texts) option.set(text);
+            [&option, lists = studies && canVary(option)](const CLI::results_t& texts) {
+                for (const std::string& text : texts)
+                    for (const std::string& value :
+                         lists ? splitAt(text, ',') : CLI::results_t{text})
+                        option.set(value);
                 return true;
             },
             help);
@@ -63,10 +74,11 @@ void requireRelated(const Command& command) {
     }
 }
 
-Command commandIn(CLI::App& app, const CommandText& text, PrintOptions& print) {
+Command commandIn(CLI::App& app, const CommandText& text, PrintOptions& print,
+                  bool studies = false) {
     Command command{app.add_subcommand(text.name, text.help), std::make_unique<Job>(text.job), {}};
     command.options = optionsOf(*command.job, print);
-    for (const Option& option : command.options) add(*command.app, option);
+    for (const Option& option : command.options) add(*command.app, option, studies);
     return command;
 }
 
@@ -149,11 +161,78 @@ void complete(const Command& command, const std::vector<std::string>& words) {
         *command.job);
 }
 
+/// The options of a command with several values, and these.
+std::vector<std::pair<std::string, std::vector<std::string>>> variedIn(const Command& command) {
+    std::vector<std::pair<std::string, std::vector<std::string>>> varied;
+    const auto table = command.app->get_option_no_throw("--table");
+    if (table == nullptr) return varied;
+    for (const Option& option : command.options) {
+        const auto texts = command.app->get_option(optionName(option.name))->results();
+        if (!canVary(option) || texts.empty()) continue;
+        const auto values = splitAt(texts.front(), ',');
+        if (values.size() < 2) continue;
+        if (table->count() == 0)
+            throw CLI::ValidationError(
+                '`' + option.name + '`',
+                fmt::format("'{}' is a list of {} values for a study; set `table` for its results, "
+                            "or give one number, with a decimal point",
+                            texts.front(), values.size()));
+        varied.emplace_back(option.name, values);
+    }
+    return varied;
+}
+
+/// The command with one value of each option that varies, which also stands for the option's name
+/// in braces in the names of files.
+Job caseOf(const Command& all, const std::vector<std::pair<std::string, std::string>>& varied,
+           const std::vector<std::string>& words) {
+    CLI::App app;
+    PrintOptions unused;
+    Job defaults = *all.job;
+    std::visit([](auto& job) { job = std::decay_t<decltype(job)>(); }, defaults);
+    const Command one = commandIn(app, {all.app->get_name().c_str(), "", defaults}, unused);
+    for (std::size_t k = 0; k < all.options.size(); ++k) {
+        const std::string& name = one.options[k].name;
+        for (std::string text : all.app->get_option(optionName(name))->results()) {
+            for (const auto& [option, value] : varied)
+                text = option == name ? value : withOption(text, option, value);
+            one.options[k].set(text);
+            one.app->get_option(optionName(name))->add_result(text);
+        }
+    }
+    complete(one, words);
+    std::visit([&](auto& job) { job.varied = varied; }, *one.job);
+    return *one.job;
+}
+
+/// A study whose options have several values: one case for each combination of them.
+template <class StudyJob>
+void addCases(StudyJob& job, const Command& command, const std::vector<std::string>& words) {
+    const auto lists = variedIn(command);
+    if constexpr (std::is_same_v<StudyJob, PackJob>)
+        if (job.dryRun && !lists.empty())
+            throw CLI::ValidationError(
+                "`dry-run`", "predicts one run; give one value of `" + lists.front().first + '`');
+    std::size_t cases = 1;
+    for (const auto& [name, values] : lists) cases *= values.size();
+    for (std::size_t k = 0; !lists.empty() && k < cases; ++k) {
+        std::vector<std::pair<std::string, std::string>> varied;
+        std::size_t each = cases, left = k;
+        for (const auto& [name, values] : lists) {
+            each /= values.size();
+            varied.emplace_back(name, values[left / each]);
+            left %= each;
+        }
+        job.cases.push_back(std::get<StudyJob>(caseOf(command, varied, words)));
+    }
+}
+
 }  // namespace
 
 std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
     std::vector<Command> commands;
-    for (const CommandText& text : commandTexts()) commands.push_back(commandIn(app, text, print));
+    for (const CommandText& text : commandTexts())
+        commands.push_back(commandIn(app, text, print, true));
     return commands;
 }
 
@@ -162,7 +241,15 @@ std::optional<Job> parsedJob(std::vector<Command>& commands,
     const auto command = std::find_if(commands.begin(), commands.end(),
                                       [](const Command& c) { return c.app->parsed(); });
     if (command == commands.end()) return std::nullopt;
-    complete(*command, words);
+    const bool varies = !variedIn(*command).empty();
+    if (!varies) complete(*command, words);
+    std::visit(
+        [&](auto& job) {
+            using StudyJob = std::decay_t<decltype(job)>;
+            if constexpr (std::is_same_v<StudyJob, PackJob> || std::is_same_v<StudyJob, VoidsJob>)
+                addCases(job, *command, words);
+        },
+        *command->job);
     return std::move(*command->job);
 }
 

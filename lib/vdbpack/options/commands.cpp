@@ -43,6 +43,7 @@ void list(OptionList& rows, PackJob& job, PrintOptions& print) {
     sphereOptions(rows, job);
     densityOption(rows, job.density);
     greyOptions(rows, job.grey);
+    bondOptions(rows, job.bonds);
     voidOptions(rows, job.request, job.domain, VoidsIn::pack);
     rows.choice("fill", "domain|solid [domain]", job.request.fill, kFills,
                 "domain: fill the domain, then remove the spheres in voids; solid: cut the voids "
@@ -147,6 +148,25 @@ void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
     rows.flag("json", print.json, "print all values as JSON").passing();
 }
 
+void list(OptionList& rows, StiffnessRecipe& job, PrintOptions& print) {
+    inputPackOptions(rows, job, "PACK", kPackHelp);
+    outputOption(rows, job.outputs, "bonds:FILE.csv, contacts:FILE.csv: the pairs");
+    unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
+    bondOptions(rows, job.bonds);
+    rows.custom("bond-modulus-for", "E,NU",
+                "find modulus and shear ratio of the bonds with which this pack has an apparent "
+                "Young's modulus E, MPa, and Poisson's ratio NU (of the isotropic average)",
+                [&job](const std::string& text) {
+                    std::tie(job.wantedModulus, job.wantedPoisson) = parseModulusAndPoisson(text);
+                    job.fits = true;
+                })
+        .of(OptionKind::numbers);
+    rows.length("boundary", "T [0.1 mean radius]", job.boundary, Range::notNegative,
+                "spheres up to so far from the wall of the domain move as the strain has it, mm");
+    rows.group("Run");
+    rows.flag("json", print.json, kResultAsJson).passing();
+}
+
 void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
     packArgument(rows, job, "PACK",
                  std::string("a pack: ") + kPackHelp +
@@ -169,6 +189,7 @@ void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
     contactTolerance(rows, job.contactTolerance);
     densityOption(rows, job.density);
     greyOptions(rows, job.grey);
+    bondOptions(rows, job.bonds);
     previewOptions(rows, job.preview);
     threadsOption(rows, job);
     memoryLimit(rows, job);
@@ -265,6 +286,8 @@ const std::vector<CommandText>& commandTexts() {
          "measure density, contacts, sizes and structure of any pack; morphometry of a level set, "
          "a mesh or an image",
          MeasureRecipe()},
+        {"stiffness", "compute the apparent stiffness of the bonded spheres of a pack",
+         StiffnessRecipe()},
         {"convert", "convert packs, level sets and meshes to other formats", ConvertRecipe()},
         {"mesh", "report whether a mesh can be packed, and repair it", MeshRecipe()},
         {"image", "report what a label map or a CT contains, and where it lies", ImageRecipe()},

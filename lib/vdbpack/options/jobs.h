@@ -24,12 +24,14 @@ struct Study {
 struct PackJob : PackRecipe {
     VoidRequest request;
     Study study;
+    std::vector<PackRecipe> cases;  ///< of a study that varies options; empty: this one
     bool dryRun = false;
 };
 
 struct VoidsJob : VoidsRecipe {
     VoidRequest request;
     Study study;
+    std::vector<VoidsRecipe> cases;
 };
 
 struct CarveJob : CarveRecipe {
@@ -42,7 +44,7 @@ struct ViewJob : ViewRecipe {
 
 /// The recipe of a command. All have `domain` and the fields of RunSettings.
 using Job = std::variant<PackJob, VoidsJob, CarveJob, DensifyRecipe, VerifyRecipe, MeasureRecipe,
-                         ConvertRecipe, MeshRecipe, ImageRecipe, ViewJob>;
+                         StiffnessRecipe, ConvertRecipe, MeshRecipe, ImageRecipe, ViewJob>;
 
 /// How the result is printed.
 struct PrintOptions {

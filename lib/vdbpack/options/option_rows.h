@@ -33,6 +33,9 @@ void gapOption(OptionList& rows, double& gap, const char* help);
 void densifyOption(OptionList& rows, double& fraction, const char* help);
 void densityOption(OptionList& rows, std::string& density);
 void greyOptions(OptionList& rows, GreyRecipe& grey);
+void bondOptions(OptionList& rows, BondOptions& bonds);
+/// "E,NU". @throws ParameterError
+std::pair<double, double> parseModulusAndPoisson(const std::string& text);
 extern const char* const kRadiusSpec;
 
 // void_options.cpp

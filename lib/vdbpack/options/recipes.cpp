@@ -2,11 +2,22 @@
 
 namespace vdbpack {
 
-std::string withSeed(std::string name, std::uint64_t seed) {
-    const std::string mark = "{seed}";
-    for (std::size_t at = name.find(mark); at != std::string::npos; at = name.find(mark, at))
-        name.replace(at, mark.size(), std::to_string(seed));
-    return name;
+BondOptions bondOptionsOf(const RunSettings& settings) {
+    BondOptions bonds = settings.bonds;
+    bonds.tolerance = settings.contactTolerance;
+    return bonds;
+}
+
+std::string withOption(std::string text, const std::string& option, const std::string& value) {
+    const std::string mark = '{' + option + '}';
+    for (std::size_t at = text.find(mark); at != std::string::npos;
+         at = text.find(mark, at + value.size()))
+        text.replace(at, mark.size(), value);
+    return text;
+}
+
+std::string withSeed(const std::string& name, std::uint64_t seed) {
+    return withOption(name, "seed", std::to_string(seed));
 }
 
 void setSeed(RunSettings& settings, std::uint64_t seed) {

@@ -1,6 +1,7 @@
 // What is asked for: the recipe of each command.
 #pragma once
 
+#include "vdbpack/bonds/bonds.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/densify/densify.h"
@@ -39,11 +40,14 @@ struct RunSettings {
     bool images = false;              ///< files for viewers hold the images in a periodic cell, too
     std::string density;  ///< of the spheres in DEM files, as `particleDensity` takes it
     GreyRecipe grey;
+    BondOptions bonds;       ///< with `contactTolerance` as their tolerance
     PreviewOptions preview;  ///< picture; without a file: none
     std::string reportFile;  ///< .json or .html; empty: none
     std::string command;     ///< for the report; empty: the task and what it works on
     /// Names and values of options, for the page of a report.
     std::vector<std::pair<std::string, std::string>> givenOptions;
+    /// Names and values of the options in which the runs of a study differ.
+    std::vector<std::pair<std::string, std::string>> varied;
     /// TOML with the options that repeat the run ({seed} for the seed): written beside the first
     /// output as NAME.recipe.toml. Empty: none is written.
     std::string optionsText;
@@ -123,6 +127,17 @@ struct DensifyRecipe : InputPack {
     DensifyOptions densify;  ///< fraction 0: overlaps are removed, and no sphere is added
 };
 
+/// The apparent stiffness of the bonded spheres of a pack; `outputs` are lists of contacts and
+/// bonds.
+struct StiffnessRecipe : InputPack {
+    /// Spheres whose surface is at most so far from the wall of the domain move with it, mm;
+    /// nothing: a tenth of the mean radius.
+    std::optional<double> boundary;
+    /// Young's modulus (MPa) and Poisson's ratio for which bonds are sought; `fits` false: none.
+    bool fits = false;
+    double wantedModulus = 0, wantedPoisson = 0;
+};
+
 struct MeasureRecipe : InputPack {
     /// What a program has in memory, in place of the solid that `pack` names in messages; at most
     /// one of them, the level set in mm, the others in `packUnit`.
@@ -161,8 +176,13 @@ struct ImageRecipe : RunSettings {
     DomainRecipe domain;  ///< source, unit, scale, spacing and space
 };
 
+/// How the spheres of a run are bonded: up to the gap of contacts.
+BondOptions bondOptionsOf(const RunSettings& settings);
+
+/// `text` with each {OPTION} replaced by the value of that option.
+std::string withOption(std::string text, const std::string& option, const std::string& value);
 /// `name` with each {seed} replaced.
-std::string withSeed(std::string name, std::uint64_t seed);
+std::string withSeed(const std::string& name, std::uint64_t seed);
 
 /// Sets the seed, and puts it in place of {seed} in names of files.
 void setSeed(RunSettings& settings, std::uint64_t seed);

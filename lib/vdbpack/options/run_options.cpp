@@ -220,7 +220,11 @@ void studyOptions(OptionList& rows, Study& study, const std::string& made) {
                     " for each seed in one domain ({seed} in names of outputs)",
                 [&study](const std::string& text) { study.seeds = parseSeeds(text); })
         .of(OptionKind::count);
-    rows.text("table", "FILE.csv", study.table, "write a table with one row for each seed")
+    rows.text(
+            "table", "FILE.csv", study.table,
+            "write a table with one row for each run; options that are numbers may then be lists, "
+            "such as `target-bvtv` 0.15,0.25: a run for each combination ({target-bvtv} in "
+            "names of outputs)")
         .naming(FileIn::whole)
         .passing();
 }

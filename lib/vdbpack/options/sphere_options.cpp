@@ -154,4 +154,29 @@ void greyOptions(OptionList& rows, GreyRecipe& grey) {
         .needs = "calibrate";
 }
 
+void bondOptions(OptionList& rows, BondOptions& bonds) {
+    rows.group("Bonds");
+    rows.number("bond-modulus", "E [1000]", bonds.law.modulus, Range::positive,
+                "Young's modulus of the bonds between spheres without a column modulus_MPa, MPa; "
+                "for bonds:FILE.csv and for stiffness");
+    rows.number("bond-radius", "F [1]", bonds.law.radiusFactor, Range::positive,
+                "radius of a bond, divided by that of its smaller sphere");
+    rows.number("bond-shear", "RATIO [0.4]", bonds.law.shearRatio, Range::notNegative,
+                "tangential divided by normal stiffness of a bond; also its torsion");
+    rows.flag("bond-hinged", bonds.law.isHinged, "bonds resist neither bending nor torsion");
+    rows.number("interface-tol", "T", bonds.interfaceTolerance, Range::notNegative,
+                "spheres of two parts are bonded up to a gap of this share of the smaller radius; "
+                "all others up to `contact-tol`");
+}
+
+std::pair<double, double> parseModulusAndPoisson(const std::string& text) {
+    const auto numbers = parseNumberList(text);
+    if (!numbers || numbers->size() != 2 || !((*numbers)[0] > 0) || !((*numbers)[1] > -1) ||
+        !((*numbers)[1] < 0.5))
+        throw ParameterError("`bond-modulus-for` '" + text +
+                             "': write E,NU: MPa above 0, and a Poisson's ratio between -1 and "
+                             "0.5, such as 500,0.25");
+    return {(*numbers)[0], (*numbers)[1]};
+}
+
 }  // namespace vdbpack

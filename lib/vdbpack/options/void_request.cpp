@@ -53,6 +53,7 @@ std::vector<Use> usesOf(const VoidRequest& r) {
             {"targetConnd", r.targetConnd.has_value(), "foam"},
             {"keepConnected", r.keepConnected,
              "grid overlay concentric threshold mixed ellipses boolean foam list"},
+            {"measureSolid", r.measureSolid, "grid overlay boolean foam list"},
             {"cull", r.cull == Cull::touch, "grid overlay ellipses boolean foam list"}};
 }
 
@@ -173,6 +174,7 @@ VoidRecipe voidsOf(const VoidRequest& given) {
     recipe.fill = r.fill;
     recipe.cull = r.cull;
     recipe.keepConnected = r.keepConnected;
+    recipe.measureSolid = r.measureSolid;
     recipe.voxelSize = r.voxelSize;
     recipe.blend = r.blend;
     recipe.strut = r.strut;

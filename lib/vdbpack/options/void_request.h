@@ -15,7 +15,7 @@ struct VoidRequest {
     std::string shellField;
     Fill fill = Fill::domain;
     Cull cull = Cull::center;
-    bool keepConnected = false;
+    bool keepConnected = false, measureSolid = false;
     std::optional<double> targetBvtv, targetTbth, targetTbsp, targetDa, targetConnd;
     std::string bvtvField, bvtvRange;  ///< "MARROW,BONE"
     std::string trabecular;            ///< name of a preset

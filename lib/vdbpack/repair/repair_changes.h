@@ -2,7 +2,7 @@
 #pragma once
 
 #include "vdbpack/mesh/triangle_mesh.h"
-#include "vdbpack/repair/repair_report.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include <cstddef>
 #include <cstdint>

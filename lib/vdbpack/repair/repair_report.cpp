@@ -1,4 +1,4 @@
-#include "vdbpack/repair/repair_report.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -4,7 +4,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/repair/facing.h"
-#include "vdbpack/repair/repair_report.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 namespace vdbpack {
 

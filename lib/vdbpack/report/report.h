@@ -40,6 +40,8 @@ struct Report {
     std::string command;  ///< as it was given
     std::string axes;     ///< of the world of images: "LPS" or "RAS"; empty: unknown
     std::uint64_t seed = 0;
+    /// Names and values of the options in which the runs of a study differ.
+    std::vector<std::pair<std::string, std::string>> varied;
     int threads = 0;                    ///< of each process
     int ranks = 1;                      ///< processes that shared the work
     std::uint64_t hash = 0;             ///< `packHash`, of lengths in mm

@@ -1,5 +1,5 @@
 #include "vdbpack/core/symmetric.h"
-#include "vdbpack/repair/repair_report.h"
+#include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/report/report.h"
 
 #include <nlohmann/json.hpp>
@@ -107,6 +107,7 @@ Json voidsJson(const Report& r) {
         json["specimen"] = v.specimen;
         json["parameters"] = v.parameters;
     }
+    if (v.solid) json["solid"] = toJson(*v.solid);
     json["solidAttached"] = orNull(v.solidAttached);
     json["solidPieces"] = v.solidPieces;
     json["spheresAttached"] = orNull(v.spheresAttached);
@@ -166,6 +167,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["unit"] = "mm";
     json["axes"] = r.axes.empty() ? Json() : Json(r.axes);
     json["seed"] = r.seed;
+    for (const auto& [option, value] : r.varied) json["varied"][option] = value;
     json["threads"] = r.threads;
     json["ranks"] = r.ranks;
     json["hash"] = hashText(r.hash);

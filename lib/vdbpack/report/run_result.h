@@ -1,6 +1,7 @@
 // What runs return, and print.
 #pragma once
 
+#include "vdbpack/bonds/bonds.h"
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/domain/mesh_fitness.h"
@@ -67,6 +68,25 @@ struct MeasureResult {
 nlohmann::ordered_json toJson(const MeasureResult& result);
 /// For people; ends with a newline.
 std::string summary(const MeasureResult& result);
+
+/// The apparent stiffness of a bonded pack.
+struct StiffnessResult {
+    std::uint64_t spheres = 0, bonds = 0;
+    std::uint64_t boundary = 0;  ///< spheres that moved as the strain had it
+    double volume = 0;           ///< over which stresses are averaged, mm³
+    std::string body;            ///< what it is the volume of
+    BondLaw law;                 ///< of the bonds; `moduli` are left out
+    bool ownModuli = false;      ///< whether the spheres had moduli of their own
+    ApparentStiffness apparent;
+    std::optional<Elasticity> elasticity;  ///< nothing: some strain meets no resistance
+    double modulusFactor = 1;              ///< by which moduli were changed to reach a wanted one
+    Report::Seconds seconds;
+    std::vector<std::string> files, warnings;
+};
+
+nlohmann::ordered_json toJson(const StiffnessResult& result);
+/// For people; ends with a newline.
+std::string summary(const StiffnessResult& result);
 
 struct ConvertResult {
     std::string kind;         ///< "spheres", "circles", "level set" or "mesh"

@@ -39,14 +39,21 @@ std::function<std::optional<double>(const Report&)> ofVoids(Value VoidReport::*v
     };
 }
 
-/// A number of a structure that was asked for.
-std::function<std::optional<double>(const Report&)> ofTarget(const std::string& name) {
-    return [name](const Report& r) -> std::optional<double> {
+/// A number of a structure: measured in all of it, else as a specimen had it that met a target.
+std::function<std::optional<double>(const Report&)> ofStructure(
+    const std::string& target,
+    std::function<std::optional<double>(const SolidMeasures&)> measured) {
+    return [target, measured](const Report& r) -> std::optional<double> {
         if (!r.voids) return std::nullopt;
+        if (r.voids->solid) return measured(*r.voids->solid);
         for (const TargetReport& t : r.voids->targets)
-            if (t.name == name) return t.reached;
-        return name == "targetTbth" ? r.voids->thickness : std::nullopt;
+            if (t.name == target) return t.reached;
+        return target == "targetTbth" ? r.voids->thickness : std::nullopt;
     };
+}
+
+std::optional<double> meanOf(const std::optional<LengthStatistics>& length) {
+    return length ? std::make_optional(length->mean) : std::nullopt;
 }
 
 /// Spheres in the shell, or deeper.
@@ -60,6 +67,7 @@ std::function<std::optional<double>(const Report&)> ofRegion(bool inShell) {
 
 const std::vector<Figure>& figures() {
     using R = const Report&;
+    using M = const SolidMeasures&;
     using Value = std::optional<double>;
     const auto ofSpheres = [](const std::function<double(R)>& value) {
         return [value](R r) { return r.task == "voids" ? Value() : Value(value(r)); };
@@ -85,10 +93,12 @@ const std::vector<Figure>& figures() {
          }},
         {"voids", ofVoids(&VoidReport::count)},
         {"bvtv", ofVoids(&VoidReport::bvtv)},
-        {"tbth", ofTarget("targetTbth")},
-        {"tbsp", ofTarget("targetTbsp")},
-        {"da", ofTarget("targetDa")},
-        {"connd", ofTarget("targetConnd")},
+        {"tbth", ofStructure("targetTbth", [](M m) { return meanOf(m.thickness); })},
+        {"tbsp", ofStructure("targetTbsp", [](M m) { return meanOf(m.separation); })},
+        {"da",
+         ofStructure("targetDa",
+                     [](M m) { return m.anisotropy ? Value(m.anisotropy->degree) : Value(); })},
+        {"connd", ofStructure("targetConnd", [](M m) { return Value(m.connectivityDensity); })},
         {"culled", ofVoids(&VoidReport::culled)},
         {"cortical", ofRegion(true)},
         {"trabecular", ofRegion(false)},
@@ -158,13 +168,23 @@ std::array<std::optional<double>, 2> spreadOf(const char* figure,
     return spread;
 }
 
+/// Which options the runs differ in.
+const std::vector<std::pair<std::string, std::string>>& variedIn(
+    const std::vector<Report>& reports) {
+    static const std::vector<std::pair<std::string, std::string>> none;
+    return reports.empty() ? none : reports.front().varied;
+}
+
 }  // namespace
 
 std::string studyTable(const std::vector<Report>& reports) {
-    std::string text = "seed,hash";
+    std::string text;
+    for (const auto& [option, value] : variedIn(reports)) text += option + ',';
+    text += "seed,hash";
     for (const Figure& figure : figures()) text += std::string(",") + figure.name;
     text += '\n';
     for (const Report& r : reports) {
+        for (const auto& [option, value] : r.varied) text += value + ',';
         text += fmt::format("{},{}", r.seed, r.task == "voids" ? "" : hashText(r.hash));
         for (const Figure& figure : figures()) {
             const auto value = figure.of(r);
@@ -181,11 +201,18 @@ std::string studySummary(const std::vector<Report>& reports, bool interrupted) {
         return fmt::format(" {:>{}}", value ? fmt::format(fmt::runtime(c.form), *value) : "-",
                            c.width);
     };
-    std::string text = fmt::format("{:>8}", "seed");
+    std::string text;
+    const auto& options = variedIn(reports);
+    const auto wide = [](const std::string& name) { return std::max<std::size_t>(8, name.size()); };
+    for (const auto& [option, value] : options)
+        text += fmt::format("{:>{}} ", option, wide(option));
+    text += fmt::format("{:>8}", "seed");
     const bool spheres = columns.front().figure == std::string("count");
     for (const auto& c : columns) text += fmt::format(" {:>{}}", c.title, c.width);
     text += spheres ? fmt::format(" {:>17}\n", "hash") : "\n";
     for (const Report& r : reports) {
+        for (const auto& [option, value] : r.varied)
+            text += fmt::format("{:>{}} ", value, wide(option));
         text += fmt::format("{:>8}", r.seed);
         for (const auto& c : columns) text += cell(c, figureOf(c.figure, r));
         text += spheres ? fmt::format(" {:>17}\n", hashText(r.hash)) : "\n";
@@ -196,7 +223,7 @@ std::string studySummary(const std::vector<Report>& reports, bool interrupted) {
         means += cell(c, mean);
         deviations += cell(c, deviation);
     }
-    text += means + '\n' + deviations + '\n';
+    if (options.empty()) text += means + '\n' + deviations + '\n';
     if (interrupted) text += fmt::format("interrupted after {} runs\n", reports.size());
     return text;
 }

@@ -11,7 +11,7 @@ namespace vdbpack {
 /// CSV: a line of names, then a line a report; cells without a value are empty.
 std::string studyTable(const std::vector<Report>& reports);
 
-/// For people: a line a run, then mean and standard deviation over the runs.
+/// For people: a line a run, then mean and standard deviation over runs that differ in their seeds.
 /// @param interrupted  whether further runs are missing.
 std::string studySummary(const std::vector<Report>& reports, bool interrupted);
 

@@ -1,12 +1,13 @@
 #include "vdbpack/core/symmetric.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/repair/repair_report.h"
+#include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/report/words.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <sstream>
 #include <string>
@@ -206,6 +207,10 @@ void addTargets(Summary& out, const VoidReport& v) {
     if (!line.empty()) out.line("", line);
 }
 
+std::string text(const std::optional<LengthStatistics>& length) {
+    return length ? fmt::format("{:.4g} mm", length->mean) : "none";
+}
+
 void addVoids(Summary& out, const Report& r, const DimensionWords& words) {
     const VoidReport& v = *r.voids;
     const char* root = v.shell > 0 ? "connected to the shell" : "in the largest component";
@@ -214,6 +219,13 @@ void addVoids(Summary& out, const Report& r, const DimensionWords& words) {
         if (v.thickness)
             out.line("", fmt::format("Tb.Th {:.4g} mm with void radii {}", *v.thickness, v.radius));
         addTargets(out, v);
+        if (v.solid)
+            out.line("", fmt::format("measured: Tb.Th {}, Tb.Sp {}, DA {}, Conn.D {:.4g} /mm³",
+                                     text(v.solid->thickness), text(v.solid->separation),
+                                     v.solid->anisotropy
+                                         ? fmt::format("{:.3f}", v.solid->anisotropy->degree)
+                                         : "none",
+                                     v.solid->connectivityDensity));
         if (v.voxelSize > 0)
             out.line("", fmt::format("level set in voxels of {:.4g} mm", v.voxelSize));
         if (v.solidAttached)
@@ -297,9 +309,9 @@ void addRun(Summary& out, const Report& r, const DimensionWords& words) {
         out.line("seed", fmt::format("{}, hash {}", r.seed, hashText(r.hash)));
     else
         out.line("hash", hashText(r.hash));
-    if (r.filesUnit != Unit::millimeter && r.count > 0)
-        out.line("", fmt::format("of lengths in mm; files in {} round them, so that the pack in "
-                                 "them has another hash",
+    const auto rounds = [](const std::string& file) { return extensionOf(file) == ".vdb"; };
+    if (r.filesUnit != Unit::millimeter && std::any_of(r.files.begin(), r.files.end(), rounds))
+        out.line("", fmt::format("a .vdb in {} rounds lengths: the pack in it has another hash",
                                  unitName(r.filesUnit)));
 }
 

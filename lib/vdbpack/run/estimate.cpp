@@ -1,6 +1,5 @@
 #include "vdbpack/run/estimate.h"
 
-#include "vdbpack/core/clock.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/formats/label_outputs.h"
@@ -13,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 
 namespace vdbpack {
@@ -277,10 +277,13 @@ double localBall(const PackRecipe& recipe, const RequestedSizes& requested,
 /// differ by place. What takes more than about a second is left as it was estimated.
 void lookCloser(PackPlan& plan, const PackRecipe& recipe, const DomainSource& source, double voxel,
                 double& ball) {
-    constexpr double kQuickSeconds = 0.8;
-    const Clock clock;
+    // Of all threads, so that other work beside this one does not decide.
+    constexpr double kQuickSeconds = 1.2;
+    const std::clock_t begin = std::clock();
     Callbacks timed;
-    timed.cancelled = [&] { return clock.total() > kQuickSeconds; };
+    timed.cancelled = [&] {
+        return static_cast<double>(std::clock() - begin) > kQuickSeconds * CLOCKS_PER_SEC;
+    };
     try {
         const auto built = source.build(plan.radii.detail, plan.radii.reach, timed, voxel);
         plan.extent.volume = built.space ? built.space->volume() : built.plane->volume();

@@ -8,6 +8,7 @@
 #include "vdbpack/options/recipe_file.h"
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/solid_stage.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/view/pack_view.h"
 
@@ -56,6 +57,7 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     have.sliceHeight = run.built.sliceHeight;
     PackWriteOptions& write = have.options;
     write.contactTolerance = run.settings.contactTolerance;
+    write.bonds = bondOptionsOf(run.settings);
     write.unit = run.settings.outUnit;
     write.images = run.settings.images;
     write.generator = "vdb_pack " + run.report.version +
@@ -183,6 +185,14 @@ RunResult finishStage(Run<Dim>& run) {
     result.picture = drawn(run);
     Report& report = run.report;
     report.seconds.write = run.clock.lap();
+    if (run.voids.recipe.measureSolid && report.voids && !report.interrupted) {
+        if (Dim == 3)
+            report.voids->solid = measureSolidIn(run.voids.made.levelSets(), run.source->recipe(),
+                                                 report.voids->shell, run.settings, run.callbacks);
+        else
+            run.callbacks.warn("`measureSolid`: solids of a plane are not measured");
+        report.seconds.measure += run.clock.lap();
+    }
     report.seconds.total = run.clock.total();
     report.peakMemoryBytes =
         static_cast<std::uint64_t>(maxOver(run.ranks(), static_cast<double>(peakMemory())));

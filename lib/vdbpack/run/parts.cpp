@@ -38,6 +38,7 @@ void checkPartsRecipe(const PackRecipe& recipe) {
                    (output.kind == OutputKind::contour && output.grid != kSurface &&
                     (cut || recipe.voids.makesVoids() || !output.grid.empty())),
                output.text.c_str());
+    refuse(recipe.voids.measureSolid, "`measureSolid`");
     for (const PackRecipe& part : recipe.parts) {
         const GreyRecipe &own = part.grey, &all = recipe.grey;
         const bool others = (!own.samples.empty() && own.samples != all.samples) ||

@@ -61,21 +61,26 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
 /// InputError, IoError, ResourceError
 ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks = {});
 
+/// Bonds the spheres of a pack, and computes its apparent stiffness: `vdb_pack stiffness`.
+/// @throws as `apparentStiffness`; ParameterError, InputError, IoError, ResourceError
+StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& callbacks = {});
+
 struct StudyResult {
-    std::vector<Report> reports;  ///< one a seed, in their order
+    std::vector<Report> reports;  ///< one a seed of each case, in their order
     bool passed = true;           ///< no check failed in any run
     bool interrupted = false;     ///< `reports` are of the runs before that
     std::string failures;         ///< of all runs
 };
 
-/// A pack for each seed, as `runPack` makes it; the domain is made once.
-/// @param recipe  names of outputs and of the report may hold {seed}, and must with several seeds.
-/// @param table   .csv with a row a run (`studyTable`); empty: none.
+/// A pack for each seed of each case, as `runPack` makes it; the domain of a case is made once.
+/// @param cases  at least one; names of outputs and of the report may hold {seed}, and must with
+///               several seeds. Several cases name in `varied` the options in which they differ.
+/// @param table  .csv with a row a run (`studyTable`); empty: none.
 /// @throws as runPack; ParameterError for names that runs would share.
-StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+StudyResult runStudy(const std::vector<PackRecipe>& cases, const std::vector<std::uint64_t>& seeds,
                      const std::string& table, const Callbacks& callbacks = {});
-/// The same of voids, as `runVoids` makes them; the domain is read once.
-StudyResult runStudy(const VoidsRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+/// The same of voids, as `runVoids` makes them; the domain of a case is read once.
+StudyResult runStudy(const std::vector<VoidsRecipe>& cases, const std::vector<std::uint64_t>& seeds,
                      const std::string& table, const Callbacks& callbacks = {});
 
 /// For people: a line a run, then mean and standard deviation over the runs.

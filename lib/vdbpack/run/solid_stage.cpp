@@ -6,6 +6,7 @@
 #include "vdbpack/domain/image_voxels.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/label_outputs.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/morphometry/solid_image.h"
@@ -281,6 +282,24 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     result.run.report = std::move(report);
     result.run.passed = true;
     return result;
+}
+
+SolidMeasures measureSolidIn(const std::vector<std::shared_ptr<const VdbGrid>>& levelSets,
+                             const DomainRecipe& domain, double shell, const RunSettings& settings,
+                             const Callbacks& callbacks) {
+    MeasureRecipe recipe;
+    for (const auto& set : levelSets)
+        if (set && levelSetName(*set) == kSolid) recipe.solid = set;
+    if (!recipe.solid)
+        throw ParameterError(
+            "`measureSolid`: there is no solid of space to measure; leave it out in a plane");
+    recipe.pack = domain.source;
+    recipe.domain = domain;
+    recipe.shell = shell;
+    recipe.memoryLimit = settings.memoryLimit;
+    const Morphometry all = *measureSolid(recipe, {}, callbacks).morphometry;
+    if (all.regions.empty()) return all;
+    return all.regions.back();
 }
 
 SphereMorphometry sphereMorphometry(const std::vector<Sphere<3>>& spheres, const Domain<3>* domain,

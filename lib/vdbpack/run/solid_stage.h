@@ -22,6 +22,12 @@ bool isImageSolid(const MeasureRecipe& recipe);
 /// The morphometry of the solid that `recipe.pack` names. @throws as `runMeasure`
 MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Callbacks& callbacks);
 
+/// The morphometry of the solid that voids leave, a level set named `kSolid` among those of a run,
+/// deeper than a shell (mm). @throws ParameterError without such a level set, as `runMeasure`
+SolidMeasures measureSolidIn(const std::vector<std::shared_ptr<const VdbGrid>>& levelSets,
+                             const DomainRecipe& domain, double shell, const RunSettings& settings,
+                             const Callbacks& callbacks);
+
 /// The morphometry of the spheres of a pack as one solid, by `recipe.dilation` and `domain`; null:
 /// in the box around them. @throws ParameterError, ResourceError, Interrupted
 SphereMorphometry sphereMorphometry(const std::vector<Sphere<3>>& spheres, const Domain<3>* domain,

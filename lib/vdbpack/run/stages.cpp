@@ -100,6 +100,7 @@ Report begunReport(const RunSettings& settings, const char* task, const std::str
     report.command =
         settings.command.empty() ? std::string(task) + " " + subject : settings.command;
     report.threads = effectiveThreads(settings.threads);
+    report.varied = settings.varied;
     if (!settings.outputs.empty()) report.filesUnit = settings.outUnit;
     return report;
 }

@@ -8,7 +8,10 @@
 
 #include <functional>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace vdbpack {
 
@@ -16,20 +19,24 @@ namespace {
 
 using Each = std::function<bool(RunResult&&)>;
 
-void requireSeedInNames(const RunSettings& settings) {
-    const auto shared = [](const std::string& name) {
-        return !name.empty() && withSeed(name, 1) == name;
+/// Refuses files that a run would write in place of another one's.
+template <class Recipe>
+void requireOwnNames(const std::vector<std::vector<Recipe>>& cases) {
+    std::string marks = cases.front().size() > 1 ? "{seed}" : "";
+    for (const auto& [option, value] : cases.front().front().varied)
+        marks += (marks.empty() ? "" : " and ") + ('{' + option + '}');
+    std::set<std::string> names;
+    const auto requireNew = [&](const std::string& what, const std::string& name) {
+        if (!name.empty() && !names.insert(name).second)
+            throw ParameterError(what + name + ": several runs would write it; name it with " +
+                                 marks);
     };
-    for (const OutputTarget& output : settings.outputs)
-        if (shared(output.text))
-            throw ParameterError(output.text + ": each seed would replace it; name it with {seed}");
-    if (shared(settings.reportFile))
-        throw ParameterError("`reportFile` " + settings.reportFile +
-                             ": each seed would replace it; name it with {seed}, or set "
-                             "`table` FILE.csv");
-    if (shared(settings.preview.file))
-        throw ParameterError("`preview.file` " + settings.preview.file +
-                             ": each seed would replace it; name it with {seed}");
+    for (const auto& recipes : cases)
+        for (const Recipe& recipe : recipes) {
+            for (const OutputTarget& output : recipe.outputs) requireNew("", output.text);
+            requireNew("`reportFile` ", recipe.reportFile);
+            requireNew("`preview.file` ", recipe.preview.file);
+        }
 }
 
 void checkTable(const std::string& table) {
@@ -40,20 +47,24 @@ void checkTable(const std::string& table) {
 }
 
 /// @param inputs  that neither the outputs nor the table may replace.
-/// @param runEach  makes the runs of all recipes.
+/// @param runEach  makes the runs of all recipes of a case.
 template <class Recipe, class RunEach>
-StudyResult runsOf(const Recipe& recipe, const std::vector<std::uint64_t>& seeds,
+StudyResult runsOf(const std::vector<Recipe>& cases, const std::vector<std::uint64_t>& seeds,
                    const std::string& table, const std::vector<std::string>& inputs,
                    const RunEach& runEach) {
     if (seeds.empty()) throw ParameterError("there are no seeds; give at least one");
-    std::vector<Recipe> recipes;
-    for (const std::uint64_t seed : seeds) recipes.push_back(recipeForSeed(recipe, seed));
-    if (seeds.size() > 1) requireSeedInNames(recipe);
+    std::vector<std::vector<Recipe>> recipes;
+    for (const Recipe& one : cases) {
+        recipes.emplace_back();
+        for (const std::uint64_t seed : seeds) recipes.back().push_back(recipeForSeed(one, seed));
+    }
+    requireOwnNames(recipes);
     std::optional<OutputFile> file;
     if (!table.empty()) {
         checkTable(table);
-        for (const auto& r : recipes)
-            checkFiles(r.outputs, r.reportFile, inputs, {r.preview.file, table});
+        for (const auto& one : recipes)
+            for (const auto& r : one)
+                checkFiles(r.outputs, r.reportFile, inputs, {r.preview.file, table});
         file.emplace(table);
     }
     StudyResult study;
@@ -65,14 +76,16 @@ StudyResult runsOf(const Recipe& recipe, const std::vector<std::uint64_t>& seeds
         file->commit();
     };
     try {
-        runEach(recipes, [&](RunResult&& run) {
+        const auto done = [&](RunResult&& run) {
             study.passed = study.passed && run.passed;
             study.interrupted = run.report.interrupted;
             // Of an interrupted run no figure would compare with the others.
             if (!study.interrupted) study.reports.push_back(std::move(run.report));
             if (!run.passed) study.failures += failures(run);
             return !study.interrupted;
-        });
+        };
+        for (const auto& one : recipes)
+            if (!study.interrupted) runEach(one, done);
     } catch (...) {
         writeTable();  // the rows that are complete
         throw;
@@ -83,17 +96,17 @@ StudyResult runsOf(const Recipe& recipe, const std::vector<std::uint64_t>& seeds
 
 }  // namespace
 
-StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+StudyResult runStudy(const std::vector<PackRecipe>& cases, const std::vector<std::uint64_t>& seeds,
                      const std::string& table, const Callbacks& callbacks) {
     return runsOf(
-        recipe, seeds, table, {recipe.domain.source, recipe.existing},
+        cases, seeds, table, {cases.front().domain.source, cases.front().existing},
         [&](const auto& recipes, const Each& done) { packEach(recipes, callbacks, done); });
 }
 
-StudyResult runStudy(const VoidsRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+StudyResult runStudy(const std::vector<VoidsRecipe>& cases, const std::vector<std::uint64_t>& seeds,
                      const std::string& table, const Callbacks& callbacks) {
     return runsOf(
-        recipe, seeds, table, {recipe.domain.source},
+        cases, seeds, table, {cases.front().domain.source},
         [&](const auto& recipes, const Each& done) { voidsEach(recipes, callbacks, done); });
 }
 

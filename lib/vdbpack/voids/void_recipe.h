@@ -146,6 +146,7 @@ struct VoidRecipe {
     Fill fill = Fill::domain;
     Cull cull = Cull::center;
     bool keepConnected = false;  ///< remove spheres that are not connected to the shell
+    bool measureSolid = false;   ///< report thickness, spacing, ... of what they leave
     double voxelSize = 0;        ///< of the level sets; 0: chosen by the program
     /// Length over which voids run into one another; nothing: of foam a tenth of the mean b, else
     /// 0.

@@ -1,6 +1,8 @@
 // What a report says of voids.
 #pragma once
 
+#include "vdbpack/measure/morphometry/morphometry.h"
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -40,7 +42,8 @@ struct VoidReport {
     std::vector<TargetReport> targets;   ///< of a structure, as found in a specimen
     /// Kolmogorov-Smirnov distances of local thickness and spacing from a sample.
     std::optional<double> thicknessDistance, separationDistance;
-    double specimen = 0;  ///< shortest side of that specimen, mm; 0: none
+    std::optional<SolidMeasures> solid;  ///< what the voids leave there, where it was measured
+    double specimen = 0;                 ///< shortest side of that specimen, mm; 0: none
     /// Of the foam that was found for them: names between backquotes, each before its value.
     std::string parameters;
     std::optional<double> solidAttached;  ///< share connected to the shell

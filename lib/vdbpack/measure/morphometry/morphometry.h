@@ -154,6 +154,7 @@ void setVolumes(Morphometry& morphometry, double total, double solid);
 
 /// Keys in the field's symbols (BV/TV, Tb.Th, ...); null where there is no value.
 nlohmann::ordered_json toJson(const Morphometry& morphometry);
+nlohmann::ordered_json toJson(const SolidMeasures& part);
 
 /// As text: lines of at most 80 columns, ending with a newline.
 std::string summary(const Morphometry& morphometry);

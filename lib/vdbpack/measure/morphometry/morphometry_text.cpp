@@ -141,6 +141,12 @@ void addBorder(Lines& out, const Morphometry& m) {
 
 }  // namespace
 
+nlohmann::ordered_json toJson(const SolidMeasures& part) {
+    Json out;
+    add(out, part);
+    return out;
+}
+
 nlohmann::ordered_json toJson(const Morphometry& m) {
     Json out;
     out["of"] = m.ofVoxels ? "voxels" : "surface";

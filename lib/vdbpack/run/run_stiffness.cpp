@@ -1,0 +1,152 @@
+// The run that computes the stiffness of a bonded pack: `vdb_pack stiffness`.
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/bonded_pack.h"
+#include "vdbpack/formats/materials.h"
+#include "vdbpack/run/input_pack.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+/// Sides of the range of k_t / k_n that is searched, and how close a Poisson's ratio has to be.
+constexpr double kMostShear = 4, kPoissonError = 5e-4;
+constexpr int kMostTries = 12;
+
+/// What the spheres fill, and which of them are at its wall.
+void setBoundary(const StiffnessRecipe& recipe, const Pack<3>& pack, BondedBody& body,
+                 StiffnessResult& result, const Callbacks& callbacks) {
+    const RadiusStatistics radius = radiusStatistics(pack.spheres);
+    const double reach = recipe.boundary.value_or(0.1 * radius.mean);
+    std::vector<Vec<3>> centers;
+    for (const auto& s : pack.spheres) centers.push_back(s.center);
+    const DomainRecipe named = domainOf(recipe, pack);
+    const auto source = domainAround(named, 3, callbacks);
+    std::vector<double> depths;
+    if (source) {
+        const auto built =
+            buildAround(source, 3, radius, centers.size(), radius.max + reach, recipe, callbacks);
+        body.volume = built.space->volume();
+        result.body = describe(named);
+        depths = built.space->signedDistances(centers);
+    } else {
+        Box<3> box;
+        for (const auto& s : pack.spheres) {
+            box.add(s.center - Box<3>::filled(s.radius));
+            box.add(s.center + Box<3>::filled(s.radius));
+        }
+        body.volume = box.volume();
+        result.body = "the box around the spheres; give `domain` for that of a body";
+        for (const auto& x : centers) {
+            double wall = box.lo[0] - x[0];
+            for (int d = 0; d < 3; ++d) wall = std::max({wall, box.lo[d] - x[d], x[d] - box.hi[d]});
+            depths.push_back(wall);
+        }
+    }
+    const bool repeats = pack.cell.isAlong(0) && pack.cell.isAlong(1) && pack.cell.isAlong(2);
+    body.boundary.assign(repeats ? 0 : centers.size(), 0);
+    for (std::size_t i = 0; i < body.boundary.size(); ++i) {
+        body.boundary[i] = -depths[i] - pack.spheres[i].radius <= reach;
+        result.boundary += body.boundary[i];
+    }
+}
+
+/// Solves once. @return the Poisson's ratio of the isotropic average
+double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
+             StiffnessResult& result, const Callbacks& callbacks) {
+    const auto bonds = bondsIn(pack, options);
+    body.pack = &pack;
+    body.bonds = &bonds;
+    result.bonds = bonds.size();
+    result.law = options.law;
+    result.apparent = apparentStiffness(body, callbacks);
+    result.elasticity = elasticityOf(result.apparent.stiffness);
+    return result.elasticity ? result.elasticity->isotropicPoisson : 0;
+}
+
+/// Finds the shear ratio for a Poisson's ratio, which falls as it rises, by regula falsi
+/// (Illinois), then scales the moduli.
+void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, const BondedBody& body,
+         StiffnessResult& result, const Callbacks& callbacks) {
+    const auto offAt = [&](double shear) {
+        options.law.shearRatio = shear;
+        return solve(pack, options, body, result, callbacks) - recipe.wantedPoisson;
+    };
+    double low = 0, high = kMostShear, offLow = offAt(low), offHigh = offAt(high);
+    if (offLow < -kPoissonError || offHigh > kPoissonError)
+        throw ParameterError(
+            fmt::format("`bond-modulus-for`: bonds give this pack Poisson's ratios from {:.4f} "
+                        "(k_t / k_n {:g}) to "
+                        "{:.4f} (0), but not {:g}; choose one between them",
+                        recipe.wantedPoisson + offHigh, kMostShear, recipe.wantedPoisson + offLow,
+                        recipe.wantedPoisson));
+    double off = offHigh;
+    for (int k = 0; k < kMostTries && std::fabs(off) > kPoissonError; ++k) {
+        // Between the two, or the one that is right already.
+        const double between =
+            offLow > 0 && offHigh < 0 ? (low * offHigh - high * offLow) / (offHigh - offLow) : low;
+        off = offAt(between);
+        (off > 0 ? low : high) = between;
+        (off > 0 ? offHigh : offLow) *= 0.5;
+        (off > 0 ? offLow : offHigh) = off;
+    }
+    if (!result.elasticity)
+        throw ParameterError("`bond-modulus-for`: some strain of this pack meets no resistance");
+    const double factor = recipe.wantedModulus / result.elasticity->isotropicModulus;
+    result.modulusFactor = factor;
+    options.law.modulus *= factor;
+    for (Column& column : pack.columns)
+        if (column.name == kModulusColumn)
+            for (double& modulus : column.numbers) modulus *= factor;
+    result.law.modulus = options.law.modulus;
+    for (Vec<6>& row : result.apparent.stiffness) row *= factor;
+    result.elasticity = elasticityOf(result.apparent.stiffness);
+}
+
+}  // namespace
+
+StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& callbacks) {
+    checkSettings(recipe, RunKind::measure, {}, inputFiles(recipe));
+    StiffnessResult result;
+    std::vector<std::string> warnings;
+    const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
+    withThreads(recipe.threads, [&] {
+        Clock clock;
+        requireDomain(recipe);
+        Pack<3> pack = readInputPack(recipe, heard);
+        if (isPlane(pack))
+            throw ParameterError(recipe.pack +
+                                 ": holds circles of a plane; bonds join spheres of space");
+        result.spheres = pack.spheres.size();
+        result.ownModuli = columnOfNumbers(pack, kModulusColumn) != nullptr;
+        result.seconds.mesh = clock.lap();
+        BondedBody body;
+        setBoundary(recipe, pack, body, result, heard);
+        result.volume = body.volume;
+        result.seconds.domain = clock.lap();
+        BondOptions options = bondOptionsOf(recipe);
+        if (recipe.fits)
+            fit(recipe, pack, options, body, result, heard);
+        else
+            solve(pack, options, body, result, heard);
+        result.seconds.measure = clock.lap();
+        RunOutputs<3> have;
+        have.pack = &pack;
+        have.options.contactTolerance = recipe.contactTolerance;
+        have.options.bonds = options;
+        have.options.unit = recipe.outUnit;
+        result.files = writeOutputs(recipe.outputs, have, heard);
+        result.seconds.write = clock.lap();
+        result.seconds.total = clock.total();
+    });
+    result.warnings = std::move(warnings);
+    return result;
+}
+
+}  // namespace vdbpack
