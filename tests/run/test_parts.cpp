@@ -59,6 +59,7 @@ TEST_CASE("labels of an image are packed as parts that no sphere crosses") {
     CHECK(run.report.hash == packHash(pack));
     CHECK(checkOverlap(pack.spheres).pairs == 0);
 
+    CHECK(partNames(pack) == std::vector<std::string>{"5", "9"});
     writePack(pack, folder.file("p.vtp"));
     auto verify = onPack<VerifyRecipe>(folder.file("p.vtp"));
     verify.domain = recipe.domain;
@@ -186,7 +187,7 @@ TEST_CASE("where meshes overlap, the later part has the space") {
         CHECK(density->numbers[i] == Approx(parts[i] == 0 ? 1800 : 4430));
     CHECK_THAT(contentOf(folder.file("c.csv")), Contains("part_i,part_j"));
     const Pack<3> yade = readPack("yade:" + folder.file("p.txt"));
-    CHECK(std::equal(parts.begin(), parts.end(), yade.region.begin(), yade.region.end()));
+    CHECK(partsIn(yade) == parts);
 }
 
 TEST_CASE("a file lists parts with options of their own") {

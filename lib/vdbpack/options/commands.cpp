@@ -200,7 +200,8 @@ void list(OptionList& rows, MeshRecipe& job, PrintOptions& print) {
 
 void list(OptionList& rows, ImageRecipe& job, PrintOptions& print) {
     rows.text("FILE", "", job.domain.source,
-              "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files")
+              "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files or "
+              "of masks")
         .naming(FileIn::pack)
         .required = true;
     imagePlacement(rows, job.domain);

@@ -8,8 +8,7 @@ namespace vdbpack {
 
 const char* const kDomainHelp =
     "mesh (.stl .obj .ply .off .gts .vtp .vtk), image (.nii .nii.gz .nrrd .nhdr .mha .mhd, folder "
-    "of "
-    "DICOM or TIFF files), level set (.vdb) or shape about the origin: "
+    "of DICOM or TIFF files or of masks), level set (.vdb) or shape about the origin: "
     "box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  "
     "disc:R  periodic:LX,LY,LZ  periodic:LX,LY";
 
