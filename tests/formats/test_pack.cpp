@@ -2,6 +2,9 @@
 #include "formats/lattice_pack.h"
 #include "support/test.h"
 
+#include "vdbpack/formats/material_file.h"
+#include "vdbpack/formats/materials.h"
+
 namespace {
 
 Pack<3> asSpheres(const Pack<3>& pack) {
@@ -131,6 +134,30 @@ TEST_CASE("names and texts of columns come back whatever they hold") {
     const auto read = readBack(pack, file);
     // OpenVDB allows letters, digits and _ in names.
     requireSameColumns(read, pack, file != "p.vdb");
+}
+
+TEST_CASE("names of parts come back from every format that keeps their column") {
+    auto pack = latticePack<3>(50, {}, 60, 4);
+    pack.region.clear();
+    pack.columns = {{kPartColumn, {}, {}, {"vertebrae L3", "f\u00e9mur, <left>", "none\nof it"}}};
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+        pack.columns[0].numbers.push_back(static_cast<double>(i % 2));
+    const TemporaryFolder folder;
+    for (const char* name :
+         {"p.vtp", "p.pvtp", "p.hdf", "p.vdb", "p.data", "lammps-bonds:b.data", "yade:p.txt"}) {
+        CAPTURE(name);
+        const Pack<3> read = readBack(pack, name);
+        CHECK(columnOfNumbers(read, kPartColumn)->numbers == pack.columns[0].numbers);
+        CHECK(partNames(read) ==
+              std::vector<std::string>{"vertebrae L3", "f\u00e9mur, <left>", "none of it"});
+    }
+    CHECK(partNames(readBack(pack, "p.npz")) == pack.columns[0].names);
+    // As ParaView lists them: one text a row.
+    CHECK_THAT(writtenText(pack, "p.vtp"), Contains("\"part_names\" NumberOfTuples=\"3\""));
+    writeMaterials(pack, folder.file("m.csv"), {});
+    CHECK(contentOf(folder.file("m.csv")) ==
+          "material,part,region,density_class,spheres,density_kg_m3,part_name\n"
+          "0,0,0,0,25,1000,vertebrae L3\n1,1,0,0,25,1000,\"f\u00e9mur, <left>\"\n");
 }
 
 TEST_CASE("names in XML are UTF-8, and references in them are read") {

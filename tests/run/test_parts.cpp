@@ -59,6 +59,7 @@ TEST_CASE("labels of an image are packed as parts that no sphere crosses") {
     CHECK(run.report.hash == packHash(pack));
     CHECK(checkOverlap(pack.spheres).pairs == 0);
 
+    CHECK(partNames(pack) == std::vector<std::string>{"5", "9"});
     writePack(pack, folder.file("p.vtp"));
     auto verify = onPack<VerifyRecipe>(folder.file("p.vtp"));
     verify.domain = recipe.domain;
@@ -186,7 +187,7 @@ TEST_CASE("where meshes overlap, the later part has the space") {
         CHECK(density->numbers[i] == Approx(parts[i] == 0 ? 1800 : 4430));
     CHECK_THAT(contentOf(folder.file("c.csv")), Contains("part_i,part_j"));
     const Pack<3> yade = readPack("yade:" + folder.file("p.txt"));
-    CHECK(std::equal(parts.begin(), parts.end(), yade.region.begin(), yade.region.end()));
+    CHECK(partsIn(yade) == parts);
 }
 
 TEST_CASE("a file lists parts with options of their own") {
@@ -224,6 +225,43 @@ TEST_CASE("a file lists parts with options of their own") {
         CHECK_THAT(refused.text, Contains("parts.toml"));
     }
     CHECK(vdbPack("pack --parts " + folder.file("absent.toml")).code == 4);
+}
+
+TEST_CASE("an implant in its own frame is moved into the bone, and its recipe repeats the run") {
+    const TemporaryFolder folder;
+    meshPart(folder.file("bone.stl"), {{{0, 0, 0}}, {{20, 18, 30}}}, "bone");
+    meshPart(folder.file("stem.stl"), {{{-3, -3, 0}}, {{3, 3, 30}}}, "stem");
+    meshPart(folder.file("placed.stl"), {{{7, 6, 12}}, {{13, 12, 42}}}, "stem");
+    const auto parts = [&](const char* name, const std::string& stem) {
+        writeBytes(folder.file(name),
+                   "[[part]]\nname = 'bone'\ndomain = 'bone.stl'\n[[part]]\n"
+                   "name = 'stem'\n" +
+                       stem);
+        return " --parts " + folder.file(name);
+    };
+    const std::string common = " --radius uniform:0.7,1.2 --quiet --json -o ";
+    const std::string moved =
+        parts("moved.toml", "domain = 'stem.stl'\ntranslate = [10, 9, 1.2e1]\n");
+    const auto placed = jsonOf(vdbPack("pack" + parts("placed.toml", "domain = 'placed.stl'\n") +
+                                       common + folder.file("a.vtp")));
+    const auto run = jsonOf(vdbPack("pack" + moved + common + folder.file("b.vtp")));
+    CHECK(run["hash"] == placed["hash"]);
+    CHECK(run["parts"][0]["count"] == placed["parts"][0]["count"]);
+    CHECK(vdbPack("verify " + folder.file("b.vtp") + moved).code == 0);
+    const std::string alone = parts("alone.toml", "domain = 'stem.stl'\n");
+    CHECK(vdbPack("verify " + folder.file("b.vtp") + alone).code != 0);
+
+    // Of one domain: the recipe names the file by its own folder.
+    writeBytes(folder.file("t.tfm"),
+               "#Insight Transform File V1.0\nTransform: AffineTransform_double_3_3\n"
+               "Parameters: 0.8 -0.6 0 0.6 0.8 0 0 0 1 4 5 6\nFixedParameters: 1 2 3\n");
+    const auto one = jsonOf(vdbPack("pack " + folder.file("stem.stl") + " --transform " +
+                                    folder.file("t.tfm") + common + folder.file("c.vtp")));
+    const std::string recipe = folder.file("c.recipe.toml");
+    CHECK_THAT(contentOf(recipe), Contains("t.tfm"));
+    const auto again = jsonOf(vdbPack("pack --config " + recipe + " --quiet --json"));
+    CHECK(again["hash"] == one["hash"]);
+    CHECK(one["overlap"]["pairs"] == 0);
 }
 
 TEST_CASE("files that are no images in spite of their names are refused") {

@@ -94,6 +94,16 @@ ViewScene<Dim> sceneOf(const Pack<Dim>& pack) {
 
 }  // namespace
 
+TEST_CASE("a view shows parts by their names") {
+    Pack<3> pack = randomPack<3>(50);
+    pack.columns[1].names = {"hip", "femur", "stem"};
+    for (const Json& column : viewData(sceneOf(pack), {})["columns"])
+        if (column["name"] == "part") {
+            CHECK(column["names"] == Json{"hip", "femur", "stem"});
+            CHECK(column["colors"].size() == 3);
+        }
+}
+
 DIM_TEST_CASE("a view holds each sphere within half a step, and its columns") {
     const Pack<Dim> pack = randomPack<Dim>(3000);
     const Json facts = viewData(sceneOf(pack), {});

@@ -17,6 +17,8 @@ struct Column {
     std::string name;
     std::vector<double> numbers;     ///< one a sphere, or empty
     std::vector<std::string> texts;  ///< one a sphere, or empty
+    /// Of what the numbers 0, 1, 2, ... stand for, such as parts; empty: they have none.
+    std::vector<std::string> names{};
 };
 
 /// What is known about each sphere of a pack.

@@ -1,6 +1,7 @@
 #include "vdbpack/domain/domain_image.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/pose.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/suggest.h"
 
@@ -77,6 +78,7 @@ Image placedImage(const DomainRecipe& recipe, const Callbacks& callbacks, bool u
             image.grid.origin[d] *= -1;
             for (Vec<3>& step : image.grid.step) step[d] *= -1;
         }
+    place(image.grid, recipe, callbacks);
     return image;
 }
 
@@ -111,6 +113,7 @@ Image readGreyImage(const std::string& file, const DomainRecipe& domain,
     if (isImage(domain)) {  // of the same scan
         recipe.unit = domain.unit;
         recipe.scale = domain.scale;
+        recipe.pose = domain.pose;
     }
     Image image = placedImage(recipe, callbacks, true);
     if (image.layers != 1)

@@ -1,6 +1,7 @@
 // The mesh of a domain: read, repaired, its shells chosen.
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/domain_source.h"
+#include "vdbpack/domain/pose.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
@@ -51,7 +52,7 @@ const Vec<3>* strayVertex(const TriangleMesh& vertices, const TriangleMesh& soli
 }  // namespace
 
 std::vector<std::string> domainInputs(const DomainRecipe& recipe) {
-    return {isInMemory(recipe) ? "" : recipe.source, recipe.cavities.inner};
+    return {isInMemory(recipe) ? "" : recipe.source, recipe.cavities.inner, recipe.pose.file};
 }
 
 RepairOptions repairOptions(const DomainRecipe& recipe) {
@@ -63,8 +64,10 @@ RepairOptions repairOptions(const DomainRecipe& recipe) {
     return options;
 }
 
-TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
-                            std::shared_ptr<const RepairReport>& report) {
+namespace {
+
+TriangleMesh joinedMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+                        std::shared_ptr<const RepairReport>& report) {
     const Cavities& cavities = recipe.cavities;
     const std::string& file = recipe.source;
     if (!cavities.outer.empty() && cavities.outer != file)
@@ -94,6 +97,15 @@ TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbac
     if (report) cut.report.before = report->before;
     report = std::make_shared<const RepairReport>(cut.report);
     return std::move(cut.mesh);
+}
+
+}  // namespace
+
+TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+                            std::shared_ptr<const RepairReport>& report) {
+    TriangleMesh mesh = joinedMesh(recipe, callbacks, report);
+    place(mesh, recipe, callbacks);
+    return mesh;
 }
 
 }  // namespace vdbpack

@@ -36,6 +36,20 @@ struct Cavities {
     bool any() const { return fill || !inner.empty(); }
 };
 
+/// How a file is moved into the world of a run, after its unit and scale: by a matrix or the file
+/// of one, then turned, then shifted.
+struct Pose {
+    std::string file;            ///< text file of a transform of ITK (.tfm); empty: none
+    std::vector<double> matrix;  ///< 3 or 4 rows of 4 numbers, the shift in mm; empty: none
+    /// Direction of an axis, degrees (right-handed), and a point of the axis, mm; empty: none.
+    std::vector<double> rotate;
+    std::optional<Vec<3>> translate;  ///< mm
+
+    bool any() const {
+        return !file.empty() || !matrix.empty() || !rotate.empty() || translate.has_value();
+    }
+};
+
 /// Whether a mesh is one domain, or has parts: by names in its file, or its connected components.
 enum class PartsBy { none, group, component };
 
@@ -52,7 +66,8 @@ struct DomainRecipe {
     std::shared_ptr<const VdbGrid> levelSet;  ///< in mm whatever the unit
     Unit unit = Unit::millimeter;             ///< of the file
     double scale = 1;                         ///< further factor on the file's lengths
-    std::string gridName;                     ///< level set in a .vdb; empty: the first
+    Pose pose;
+    std::string gridName;  ///< level set in a .vdb; empty: the first
     /// Value at the surface, of a fog volume in a .vdb or of an image.
     std::optional<double> threshold;
     std::string label;  ///< of an image: a value or a name, or several joined by "+"

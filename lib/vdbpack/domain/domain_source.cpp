@@ -7,6 +7,7 @@
 #include "vdbpack/domain/domain_image.h"
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/domain/intersection_domain.h"
+#include "vdbpack/domain/pose.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
@@ -132,6 +133,10 @@ void DomainSource::takeShape(const NamedShape& shape) {
     const std::string& text = recipe_.source;
     if (recipe_.slice && plane_)
         throw ParameterError("`slice` cuts a domain of space; '" + text + "' is plane already");
+    if (recipe_.pose.any())
+        throw ParameterError(text +
+                             ": is a shape about the origin, and only files can be moved; "
+                             "leave `transform`, `matrix`, `rotate` and `translate` out");
     if (isPeriodic() && (recipe_.slice || !clips_.empty()))
         throw ParameterError(fmt::format("`{}`: {} is periodic; it cannot be cut",
                                          recipe_.slice ? "slice" : "clips", text));
@@ -143,9 +148,13 @@ void DomainSource::takeSurface(const Callbacks& callbacks) {
     if (isVdb && recipe_.threshold) {
         mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, recipe_.scale, *recipe_.threshold,
                               recipe_.unit);
+        place(*mesh_, recipe_, callbacks);
     } else if (isVdb || recipe_.levelSet) {
         levelSet_ = isVdb ? domainLevelSet(recipe_) : recipe_.levelSet;
         mesh_ = levelSetMesh(*levelSet_, recipe_.source);
+        place(*mesh_, recipe_, callbacks);
+        // What is moved is the contour alone.
+        if (recipe_.pose.any()) levelSet_ = nullptr;
     } else {
         mesh_ = isImage(recipe_) ? imageMesh(recipe_, callbacks, imageGrid_, spaced_)
                                  : readDomainMesh(recipe_, callbacks, repair_);

@@ -21,7 +21,8 @@ namespace vdbpack {
 /// The files that a domain is read from; a shape stands for itself.
 std::vector<std::string> domainInputs(const DomainRecipe& recipe);
 
-/// The mesh of a recipe's file, repaired and joined with its inner one as the recipe says, mm.
+/// The mesh of a recipe's file, repaired, joined with its inner one and placed as the recipe says,
+/// mm.
 /// @param report  what the repair did; unchanged if none was requested.
 /// @throws ParameterError, InputError, IoError, ResourceError
 TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,

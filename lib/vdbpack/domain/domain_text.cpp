@@ -163,6 +163,35 @@ std::string textOf(const Vec<3>& spacing) {
     return fmt::format("{}", fmt::join(spacing.c, ","));
 }
 
+std::vector<double> parseCounted(const std::string& setting, const std::string& text,
+                                 const char* form, std::initializer_list<std::size_t> counts) {
+    const std::string what = fmt::format("`{}` '{}'", setting, text);
+    auto numbers = numbersIn(what, text, form);
+    if (std::find(counts.begin(), counts.end(), numbers.size()) == counts.end())
+        malformed(what, form);
+    return numbers;
+}
+
+std::vector<double> parseRotation(const std::string& text) {
+    auto r = parseCounted("rotate", text, "X,Y,Z,DEGREES or X,Y,Z,DEGREES,CX,CY,CZ", {4, 7});
+    if (r[0] == 0 && r[1] == 0 && r[2] == 0)
+        throw ParameterError("`rotate` " + text +
+                             ": the axis has no direction; give one such as "
+                             "0,0,1,90, a quarter turn about z");
+    r.resize(7, 0.0);
+    return r;
+}
+
+std::vector<double> parseMatrix(const std::string& text) {
+    auto m = parseCounted("matrix", text, "3 or 4 rows of 4 numbers", {12, 16});
+    if (m.size() == 16 && (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1))
+        throw ParameterError("`matrix` " + text +
+                             ": its last row must be 0,0,0,1, and its shift "
+                             "is the last column");
+    m.resize(12);
+    return m;
+}
+
 Vec<3> parseVoxelSpacing(const std::string& text) {
     const std::string what = fmt::format("`voxelSpacing` '{}'", text);
     const char* form = "X,Y,Z or a single distance, above 0";

@@ -55,6 +55,15 @@ std::string textOf(const std::array<bool, 3>& axes);
 Cavities parseCavities(const std::string& text);
 std::string textOf(const Cavities& cavities);
 
+/// The numbers of a list, of which there must be as many as one of `counts`. @param form  of the
+/// list, for messages. @throws ParameterError
+std::vector<double> parseCounted(const std::string& setting, const std::string& text,
+                                 const char* form, std::initializer_list<std::size_t> counts);
+/// @return axis, degrees and point, the origin where it is left out. @throws ParameterError
+std::vector<double> parseRotation(const std::string& text);
+/// @return 12 numbers. @throws ParameterError
+std::vector<double> parseMatrix(const std::string& text);
+
 /// The distances of voxels in X,Y,Z, or in D for all three, mm. @throws ParameterError
 Vec<3> parseVoxelSpacing(const std::string& text);
 std::string textOf(const Vec<3>& spacing);

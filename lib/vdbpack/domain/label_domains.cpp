@@ -50,8 +50,16 @@ DomainSource LabelledImage::source(const DomainRecipe& domain, std::size_t part,
 }
 
 LabelledImage& LabelledImages::of(const DomainRecipe& domain) {
-    const Key key{domain.source, domain.image, domain.voxelSpacing.value_or(Vec<3>{}).c,
-                  domain.unit,   domain.scale, domain.space};
+    const Key key{domain.source,
+                  domain.image,
+                  domain.voxelSpacing.value_or(Vec<3>{}).c,
+                  domain.unit,
+                  domain.scale,
+                  domain.space,
+                  domain.pose.file,
+                  domain.pose.matrix,
+                  domain.pose.rotate,
+                  domain.pose.translate.value_or(Vec<3>{}).c};
     const auto known = images_.find(key);
     if (known != images_.end()) return known->second;
     return images_.emplace(key, LabelledImage(domain, callbacks_)).first->second;

@@ -1,6 +1,7 @@
 #include "vdbpack/domain/mesh_parts.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/pose.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/welding.h"
@@ -59,7 +60,8 @@ std::vector<NamedMesh> meshParts(const DomainRecipe& domain, const Callbacks& ca
     read.scale = domain.scale;
     read.space = domain.space;
     MeshGroups names;
-    const TriangleMesh mesh = readMesh(domain.source, read, callbacks, &names);
+    TriangleMesh mesh = readMesh(domain.source, read, callbacks, &names);
+    place(mesh, domain, callbacks);
     std::vector<NamedMesh> parts;
     if (domain.partsBy == PartsBy::component)
         parts = componentsOf(mesh, domain.source);

@@ -12,6 +12,10 @@ inline constexpr const char* kGeneratorKey = "generator";
 /// The periodic cell: axes that wrap, lower and upper corner, as "xyz 0 0 0 10 10 10".
 inline constexpr const char* kCellKey = "periodic_cell";
 
+/// The names of parts, where the format has texts: one each, or one a line. Formats with comments
+/// have one a line, as "# part 0: femur".
+inline constexpr const char* kPartNamesKey = "part_names";
+
 /// What the title of our LAMMPS data files records about the numbers below.
 inline constexpr const char* kLammpsIdShift = "atom = id + 1";
 inline constexpr const char* kLammpsTypeIs = "type = ";        // a formula of `Materials`, "+ 1"
@@ -19,6 +23,9 @@ inline constexpr const char* kLammpsBoundary = "; boundary ";  // p or f of each
 inline constexpr const char* kLammpsDensity = "; density ";    // its unit follows, or
 inline constexpr const char* kLammpsGiven = "as it was given";
 inline constexpr const char* kLammpsBonded = "hybrid sphere bond";
+
+/// Of a YADE file with names of parts: its materials are these.
+inline constexpr std::string_view kYadeOfParts = "# matId = part";
 
 /// Before the lengths of a cell that is periodic along all axes, as YADE's SpherePack writes them.
 inline constexpr std::string_view kYadeCell = "##PERIODIC::";

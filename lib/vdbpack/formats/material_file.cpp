@@ -1,6 +1,7 @@
 #include "vdbpack/formats/material_file.h"
 
 #include "vdbpack/formats/materials.h"
+#include "vdbpack/formats/pack_text_rows.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/output_file.h"
 
@@ -9,6 +10,8 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <string>
+#include <vector>
 
 namespace vdbpack {
 
@@ -42,7 +45,9 @@ void writeMaterials(const Pack<Dim>& pack, const std::string& file,
     if (!all.empty() && all.rbegin()->first < kMostRows)
         for (std::int32_t m = all.rbegin()->first; m-- > 0;) all[m];
     std::string text = "material,part,region,density_class,spheres,density_kg_m3";
-    text += modulus ? ",modulus_MPa\n" : "\n";
+    const std::vector<std::string>& names = partNames(pack);
+    text += modulus ? ",modulus_MPa" : "";
+    text += names.empty() ? "\n" : ",part_name\n";
     for (const auto& [material, sums] : all) {
         const Materials::Kind kind = materials.kindOf(material);
         appendNumber(text, std::int64_t{material});
@@ -55,6 +60,8 @@ void writeMaterials(const Pack<Dim>& pack, const std::string& file,
         if (!densities.unconverted())
             text += fmt::format("{:.9g}", any ? sums.density / sums.volume : densities.of(kind));
         if (modulus) text += fmt::format(",{:.9g}", any ? sums.modulus / sums.volume : 0.0);
+        const auto part = static_cast<std::size_t>(kind.part);
+        if (!names.empty()) appendCell(text += ',', part < names.size() ? names[part] : "");
         text += '\n';
     }
     OutputFile out(file);

@@ -39,6 +39,17 @@ const Column* columnOfNumbers(const PackAttributes& pack, const char* name) {
     return nullptr;
 }
 
+const std::vector<std::string>& partNames(const PackAttributes& pack) {
+    static const std::vector<std::string> kNone;
+    const Column* const parts = columnOfNumbers(pack, kPartColumn);
+    return parts ? parts->names : kNone;
+}
+
+void setPartNames(PackAttributes& pack, std::vector<std::string> names) {
+    for (Column& column : pack.columns)
+        if (column.name == kPartColumn && !column.numbers.empty()) column.names = std::move(names);
+}
+
 Materials::Materials(const PackAttributes& pack)
     : pack_(pack), parts_(countedIn(pack, kPartColumn)), classes_(countedIn(pack, kClassColumn)) {
     for (const std::int32_t region : pack.region)

@@ -22,6 +22,11 @@ inline constexpr const char* kModulusColumn = "modulus_MPa";
 /// The column of this name, if it holds numbers; else null.
 const Column* columnOfNumbers(const PackAttributes& pack, const char* name);
 
+/// The names of the parts of a pack by their numbers; empty: it has none.
+const std::vector<std::string>& partNames(const PackAttributes& pack);
+/// Gives them to its parts, if it has any.
+void setPartNames(PackAttributes& pack, std::vector<std::string> names);
+
 /// Materials of a pack, counted from 0: its regions, or its parts; where parts have several
 /// regions, the regions of each part one after another (part 1, region 0 of two: 2). Where spheres
 /// have classes of density, the combinations of part, region and class that occur, in that order.

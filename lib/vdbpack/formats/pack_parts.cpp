@@ -118,7 +118,7 @@ Pack<Dim> slice(const Pack<Dim>& pack, std::size_t first, std::size_t last) {
     part.sliceHeight = pack.sliceHeight;
     part.columns.resize(pack.columns.size());
     for (std::size_t c = 0; c < pack.columns.size(); ++c)
-        part.columns[c].name = pack.columns[c].name;
+        part.columns[c] = {pack.columns[c].name, {}, {}, pack.columns[c].names};
     const auto from = static_cast<std::ptrdiff_t>(first), to = static_cast<std::ptrdiff_t>(last);
     const auto take = [&](const auto& all, auto& some) {
         if (!all.empty()) some.assign(all.begin() + from, all.begin() + to);
@@ -226,7 +226,8 @@ void writeVtkHdf(Ranks* ranks, const PackView& pack, const PackWriteOptions& opt
         }
         file.requireRoom(bytesOfVtkHdf(shares.total, all));
         const VtkHdfOffsets made =
-            layOutVtkHdf(file.temporaryPath(), shares.counts, all, options.unit, options.generator);
+            layOutVtkHdf(file.temporaryPath(), shares.counts, all, options.unit, options.generator,
+                         partLines(pack.attributes()));
         offsets = {made.points, made.types, made.connectivity, made.offsets};
         offsets.insert(offsets.end(), made.columns.begin(), made.columns.end());
     }

@@ -57,6 +57,30 @@ Unit unitIn(std::string_view comment, Unit unit, const InputFile& file) {
                      fmt::format("{}: line {}", file.path(), file.lineNumber()));
 }
 
+std::string partLines(const PackAttributes& pack) {
+    std::string lines;
+    for (const std::string& name : partNames(pack))
+        lines += (lines.empty() ? "" : "\n") + oneLine(name);
+    return lines;
+}
+
+std::string partComments(const PackAttributes& pack) {
+    constexpr std::size_t kLongest = 200;  // LAMMPS reads lines of up to 255 characters
+    std::string comments;
+    const std::vector<std::string>& names = partNames(pack);
+    for (std::size_t k = 0; k < names.size(); ++k)
+        comments += fmt::format("# part {}: {:.{}}\n", k, oneLine(names[k]), kLongest);
+    return comments;
+}
+
+bool takePartComment(std::string_view line, std::vector<std::string>& names) {
+    if (!startsWith(line, "#")) return false;
+    const std::string begin = fmt::format("# part {}: ", names.size());
+    if (!startsWith(line, begin)) return false;
+    names.emplace_back(trimmed(line.substr(begin.size())));
+    return true;
+}
+
 std::string cellText(const PeriodicCell<3>& cell) {
     if (!cell.any()) return {};
     std::string text;

@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdbpack {
 
@@ -29,6 +30,13 @@ Unit unitIn(std::string_view comment, Unit unit, const InputFile& file);
 std::string cellText(const PeriodicCell<3>& cell);
 /// The cell in such a text. @param unit  of the text. @throws InputError if it holds none.
 PeriodicCell<3> cellIn(std::string_view text, Unit unit, const std::string& where);
+
+/// The names of the parts of a pack, a line each.
+std::string partLines(const PackAttributes& pack);
+/// The same as comments, "# part 0: femur".
+std::string partComments(const PackAttributes& pack);
+/// Takes the next name from such a comment. @return whether it is one
+bool takePartComment(std::string_view line, std::vector<std::string>& names);
 
 /// The box of particles that a file of a simulation states.
 struct StatedBox {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdbpack {
@@ -18,6 +19,8 @@ struct PackTextRows {
     std::function<void(std::string& text, std::size_t i)> append;
 };
 
+/// A cell as RFC 4180 wants it: in quotes where it holds a comma, a quote or a line end.
+void appendCell(std::string& text, std::string_view cell);
 PackTextRows csvRows(const PackView& pack);
 PackTextRows yadeRows(const PackView& pack, const PackWriteOptions& options);
 

@@ -1,5 +1,6 @@
 // Data files of LAMMPS (read_data, write_data) and LIGGGHTS, atom styles sphere, granular and
 // bpm/sphere. Source: LAMMPS manual, read_data.
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/text_table.h"
@@ -48,6 +49,7 @@ public:
             if (counts_.count("atoms") == 0) failHeader();
             Pack<3> pack = readAtoms(line);
             if (box_.isTilted || hasBox_) takeCell(pack, box_, file_.path(), options_.callbacks);
+            setPartNames(pack, std::move(partNames_));
             if (knowsDensity_) convertDensity(pack, options_.unit);
             warnOfVelocities(line);
             return pack;
@@ -70,6 +72,7 @@ private:
     /// Moves to the next line that holds more than a comment; its words are in `words_`.
     bool nextContent(std::string_view& line) {
         while (file_.nextLine(line)) {
+            takePartComment(line, partNames_);
             splitAtBlanks(line.substr(0, line.find('#')), words_);
             if (!words_.empty()) return true;
         }
@@ -238,6 +241,7 @@ private:
     std::string boundary_;                   ///< "p p f" according to the title, or empty
     StatedBox box_;                          ///< of the header
     bool hasBox_ = false;
+    std::vector<std::string> partNames_;
     std::string material_;  ///< what types are one more than, according to the title; or empty
     std::map<std::string, std::uint64_t, std::less<>> counts_;  ///< of the header
     Cells words_;

@@ -1,6 +1,7 @@
 // numpy's .npz: a zip archive with one .npy array per member.
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/npy_array.h"
 #include "vdbpack/formats/pack_builder.h"
 #include "vdbpack/formats/pack_formats.h"
@@ -36,6 +37,9 @@ std::string arrayName(const std::string& member) {
         return {};
     return member.substr(0, member.size() - kEnding.size());
 }
+
+/// Bytes of the names of parts.
+constexpr std::uint64_t kLargestNames = 1 << 24;
 
 class NpzFile {
 public:
@@ -123,7 +127,8 @@ private:
         if (sizes) columns_.push_back({radii ? "radius" : "diameter", sizes, 0});
         for (Array& a : arrays_) {
             if (&a == positions || &a == sizes || a.name() == kUnitKey ||
-                a.name() == kGeneratorKey || a.shape().empty() || a.rows() != rows_)
+                a.name() == kGeneratorKey || a.name() == kPartNamesKey || a.shape().empty() ||
+                a.rows() != rows_)
                 continue;
             if (a.columns() > kMostComponents || (a.isText() && a.columns() > 1)) continue;
             std::vector<std::string> names;
@@ -173,7 +178,21 @@ private:
                 return true;
             });
         builder.addRows(rows_, puts, "row");
-        return builder.finish();
+        Pack<3> pack = builder.finish();
+        setPartNames(pack, partNamesIn());
+        return pack;
+    }
+
+    std::vector<std::string> partNamesIn() {
+        std::vector<std::string> names;
+        for (Array& a : arrays_) {
+            if (a.name() != kPartNamesKey || !a.isText() || a.shape().size() != 1 ||
+                a.member.size > kLargestNames)
+                continue;
+            load(a);
+            for (std::uint64_t k = 0; k < a.rows(); ++k) names.push_back(a.text(k));
+        }
+        return names;
     }
 
     std::string path_;

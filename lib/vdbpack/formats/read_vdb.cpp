@@ -5,6 +5,7 @@
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_archive.h"
 #include "vdbpack/formats/format_words.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_builder.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
@@ -283,6 +284,8 @@ Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
         if (!unit.empty()) stated.unit = unitNamed(unit, path);
         pack = PointReader(*grid, path, stated).read();
         if (!cell.empty()) pack->cell = cellIn(cell, stated.unit, path);
+        if (const std::string names = noted(*grid, kPartNamesKey); !names.empty())
+            setPartNames(*pack, splitAt(names, '\n'));
     });
     return std::move(*pack);
 }

@@ -1,6 +1,7 @@
 // VTK's files of points with arrays of attributes: polygon data and unstructured grids, in XML
 // (.vtp .vtu, and .pvtp .pvtu of several pieces) and in the legacy format (.vtk).
 #include "vdbpack/core/memory.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_builder.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
@@ -25,6 +26,7 @@ namespace {
 
 constexpr std::uint64_t kLongestUnit = 100;      ///< bytes
 constexpr std::uint64_t kLongestCell = 400;      ///< bytes
+constexpr std::uint64_t kLongestName = 1000;     ///< bytes on average
 constexpr std::uint64_t kLongestText = 1 << 20;  ///< bytes on average
 
 /// An array of a value, or of some numbers, for each point.
@@ -82,10 +84,11 @@ public:
 
     /// Adds the points to those that `builder` has; makes it if it is null.
     void read(std::unique_ptr<PackBuilder>& builder) {
-        if (const auto text = noted(kUnitKey, kLongestUnit))
-            options_.unit = unitNamed(*text, xml_.path());
-        if (const auto text = noted(kCellKey, kLongestCell))
-            cell_ = cellIn(*text, options_.unit, xml_.path());
+        if (const auto texts = noted(kUnitKey, kLongestUnit); !texts.empty())
+            options_.unit = unitNamed(texts[0], xml_.path());
+        if (const auto texts = noted(kCellKey, kLongestCell); !texts.empty())
+            cell_ = cellIn(texts[0], options_.unit, xml_.path());
+        partNames_ = noted(kPartNamesKey, kLongestName);
         const auto pieces = piecesOf();
         const auto filled = std::find_if(pieces.begin(), pieces.end(),
                                          [](const Piece& piece) { return piece.points > 0; });
@@ -106,16 +109,20 @@ public:
     }
 
     const PeriodicCell<3>& cell() const { return cell_; }
+    const std::vector<std::string>& partNames() const { return partNames_; }
 
 private:
-    /// The text of that name in the field data, where there is one.
-    std::optional<std::string> noted(std::string_view name, std::uint64_t longest) {
-        std::optional<std::string> text;
+    /// The texts of that name in the field data, where there are some.
+    std::vector<std::string> noted(std::string_view name, std::uint64_t longest) {
+        std::vector<std::string> texts;
         for (const pugi::xml_node& node : xml_.data().child("FieldData"))
             if (VtkXml::isArray(node) && VtkXml::attribute(node, "Name") == name &&
                 VtkXml::attribute(node, "type") == "String")
-                text = xml_.arrays().texts(xml_.described(node), 1, longest)[0];
-        return text;
+                texts = xml_.arrays().texts(
+                    xml_.described(node),
+                    node.attribute("NumberOfTuples") ? xml_.countOf(node, "NumberOfTuples") : 1,
+                    longest);
+        return texts;
     }
 
     std::vector<Piece> piecesOf() const {
@@ -163,6 +170,7 @@ private:
     VtkXml xml_;
     PackReadOptions options_;
     PeriodicCell<3> cell_;
+    std::vector<std::string> partNames_;
 };
 
 class LegacyPoints {
@@ -186,6 +194,7 @@ public:
         addPoints(*builder, points_, arrays_);
         Pack<3> pack = builder->finish();
         if (!cell_.empty()) pack.cell = cellIn(cell_, options_.unit, file_.path());
+        setPartNames(pack, std::move(partNames_));
         return pack;
     }
 
@@ -263,6 +272,7 @@ private:
         if (!rows_ && !values.texts.empty()) {
             if (array.name == kUnitKey) options_.unit = unitNamed(values.texts[0], file_.path());
             if (array.name == kCellKey) cell_ = values.texts[0];
+            if (array.name == kPartNamesKey) partNames_ = values.texts;
         }
         if (!rows_ || !ofPoints_) return;
         if (values.count != points_)
@@ -275,6 +285,7 @@ private:
     PackReadOptions options_;
     std::vector<PointArray> arrays_;  ///< positions first
     std::string cell_;
+    std::vector<std::string> partNames_;
     std::uint64_t points_ = 0;
     std::optional<std::uint64_t> rows_;  ///< of the data that follow; none: about the whole file
     bool hasPoints_ = false, ofPoints_ = false;
@@ -287,6 +298,7 @@ Pack<3> readXml(const std::string& path, const char* type, const PackReadOptions
     if (!builder) throw InputError(path + ": holds no points");
     Pack<3> pack = builder->finish();
     pack.cell = file.cell();
+    setPartNames(pack, file.partNames());
     return pack;
 }
 
@@ -295,14 +307,19 @@ Pack<3> readPieces(const std::string& path, const std::string& type,
                    const PackReadOptions& options) {
     const VtkXml index(path, "P" + type, options.memoryLimit);
     std::unique_ptr<PackBuilder> builder;
+    std::vector<std::string> partNames;
     for (const pugi::xml_node& piece : index.data().children("Piece")) {
         const std::filesystem::path source = VtkXml::attribute(piece, "Source");
         if (source.empty()) index.fail("a piece has no Source");
-        XmlPoints((std::filesystem::path(path).parent_path() / source).string(), type, options)
-            .read(builder);
+        XmlPoints file((std::filesystem::path(path).parent_path() / source).string(), type,
+                       options);
+        file.read(builder);
+        partNames = file.partNames();
     }
     if (!builder) index.fail("names no pieces with points");
-    return builder->finish();
+    Pack<3> pack = builder->finish();
+    setPartNames(pack, std::move(partNames));
+    return pack;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/hdf5_handle.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_builder.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
@@ -23,7 +24,7 @@ namespace vdbpack {
 namespace {
 
 constexpr std::uint64_t kRowsAtATime = 1 << 15;
-constexpr std::size_t kLongestAttribute = 100;
+constexpr std::size_t kLongestWord = 100, kLongestNames = 60000;  ///< of attributes, bytes
 
 /// An array with a row of numbers for each point.
 struct Array {
@@ -83,14 +84,17 @@ public:
             }
             builder.addRows(count, puts, "point", first);
         }
-        return builder.finish();
+        Pack<3> pack = builder.finish();
+        if (const std::string names = textOf(kPartNamesKey, kLongestNames); !names.empty())
+            setPartNames(pack, splitAt(names, '\n'));
+        return pack;
     }
 
 private:
     [[noreturn]] void fail(const std::string& what) const { throw InputError(path_ + ": " + what); }
 
     /// The text of an attribute of the group; empty: there is none.
-    std::string textOf(const char* name) const {
+    std::string textOf(const char* name, std::size_t longest = kLongestWord) const {
         const Hdf5 attribute(
             H5Aexists(group_, name) > 0 ? H5Aopen(group_, name, H5P_DEFAULT) : H5I_INVALID_HID,
             H5Aclose);
@@ -103,10 +107,10 @@ private:
             if (H5Aread(attribute, type, &text) < 0 || !text) return {};
             std::string copy(text);
             H5free_memory(text);
-            return copy.substr(0, kLongestAttribute);
+            return copy.substr(0, longest);
         }
         const std::size_t size = H5Tget_size(type);
-        if (size > kLongestAttribute) return {};
+        if (size > longest) return {};
         std::string text(size, '\0');
         if (H5Aread(attribute, type, text.data()) < 0) return {};
         return text.substr(0, text.find('\0'));

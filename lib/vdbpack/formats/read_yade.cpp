@@ -1,5 +1,6 @@
 // YADE's text formats (ymport.text, textExt and textClumps): x y z r and what the #format line
 // adds; files of SpherePack.save have a fifth column at most, the clump.
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/text_table.h"
@@ -63,21 +64,48 @@ void dropNoClumps(std::vector<Column>& columns) {
     columns.erase(std::remove_if(columns.begin(), columns.end(), isNone), columns.end());
 }
 
+/// What the comments above the spheres say.
+struct YadeHeader {
+    std::vector<std::string> names{"x", "y", "z", "r"};  ///< of the columns
+    bool attributes = false;                             ///< any number of further columns
+    bool hasFormat = false;
+    std::string comment;  ///< the last one
+    std::string cell, periods;
+    std::vector<std::string> partNames;
+};
+
+/// @param options  whose unit is set
+void takeComment(std::string_view line, const InputFile& file, YadeHeader& header,
+                 PackReadOptions& options) {
+    static const std::string kCellNote = std::string(kCellKey) + ": ";
+    if (startsWith(line, kFormat)) {
+        const auto format = trimmed(line.substr(kFormat.size()));
+        header.hasFormat = true;
+        if (!columnsOf(format, header.names, header.attributes))
+            file.failAtLine("format " + quotedExcerpt(format) +
+                            " is not supported; use x_y_z_r, which id_ may precede and _matId, "
+                            "_clumpId or _attrs follow");
+    } else if (line.find(kCellNote) != std::string_view::npos) {
+        header.cell = line.substr(line.find(kCellNote) + kCellNote.size());
+    } else if (startsWith(line, kYadeCell)) {
+        header.periods = line.substr(kYadeCell.size());
+    } else if (line == kYadeOfParts && header.names.back() == "region") {
+        header.names.back() = kPartColumn;
+    } else if (!takePartComment(line, header.partNames)) {
+        options.unit = unitIn(line, options.unit, file);
+        header.comment = line.substr(1);
+    }
+}
+
 }  // namespace
 
 Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
     InputFile file(path);
     TextTable table;
     table.options = options;
-    table.names = {"x", "y", "z", "r"};
-    bool attributes = false;  // there may be any number of further columns
-    bool hasFormat = false;
-    std::string comment;  // the last one above the spheres
-    std::string cell, periods;
-    const std::string kCellNote = std::string(kCellKey) + ": ";
+    YadeHeader header;
     std::string_view line;
-
-    // The header: comments up to the first sphere.
+    // The comments up to the first sphere.
     std::uint64_t begin = 0;
     std::uint64_t lineBefore = 0;
     for (;; begin = file.offset(), lineBefore = file.lineNumber()) {
@@ -85,26 +113,13 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
         line = trimmed(line);
         if (line.empty()) continue;
         if (line.front() != '#') break;
-        if (startsWith(line, kFormat)) {
-            const auto format = trimmed(line.substr(kFormat.size()));
-            hasFormat = true;
-            if (!columnsOf(format, table.names, attributes))
-                file.failAtLine("format " + quotedExcerpt(format) +
-                                " is not supported; use x_y_z_r, which id_ may precede and _matId, "
-                                "_clumpId or _attrs follow");
-        } else if (line.find(kCellNote) != std::string_view::npos) {
-            cell = line.substr(line.find(kCellNote) + kCellNote.size());
-        } else if (startsWith(line, kYadeCell)) {
-            periods = line.substr(kYadeCell.size());
-        } else {
-            table.options.unit = unitIn(line, table.options.unit, file);
-            comment = line.substr(1);
-        }
+        takeComment(line, file, header, table.options);
     }
-    if (attributes) nameAttributes(line, comment, table.names);
+    table.names = header.names;
+    if (header.attributes) nameAttributes(line, header.comment, table.names);
     Cells firstRow;
     splitAtBlanks(line, firstRow);
-    if (!hasFormat && firstRow.size() == 5) table.names.push_back(kYadeClump);
+    if (!header.hasFormat && firstRow.size() == 5) table.names.push_back(kYadeClump);
 
     file.seek(begin, lineBefore);
     table.nextRow = [&](Cells& cells) {
@@ -120,9 +135,10 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
     };
     Pack<3> pack = readTable(file, table);
     dropNoClumps(pack.columns);
+    setPartNames(pack, std::move(header.partNames));
     // The periods have no corner: positions are those of any image.
-    if (cell.empty() && !periods.empty()) cell = "xyz 0 0 0 " + periods;
-    if (!cell.empty()) pack.cell = cellIn(cell, table.options.unit, path);
+    if (header.cell.empty() && !header.periods.empty()) header.cell = "xyz 0 0 0 " + header.periods;
+    if (!header.cell.empty()) pack.cell = cellIn(header.cell, table.options.unit, path);
     return pack;
 }
 

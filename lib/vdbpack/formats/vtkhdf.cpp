@@ -137,7 +137,7 @@ std::uint64_t bytesOfVtkHdf(std::uint64_t points, const std::vector<NumberColumn
 
 VtkHdfOffsets layOutVtkHdf(const std::string& path, const std::vector<std::uint64_t>& pieces,
                            const std::vector<NumberColumn>& columns, Unit unit,
-                           const std::string& generator) {
+                           const std::string& generator, const std::string& partNames) {
     // After a write that failed, the library crashes at the end of the process.
     H5dont_atexit();
     const Hdf5Quiet quiet;
@@ -145,6 +145,8 @@ VtkHdfOffsets layOutVtkHdf(const std::string& path, const std::vector<std::uint6
     HdfWriter file(path);
     file.note(kUnitKey, unitName(unit));
     file.note(kGeneratorKey, oneLine(generator));
+    constexpr std::size_t kMostNoted = 60000;  // bytes that an attribute can have
+    if (partNames.size() < kMostNoted) file.note(kPartNamesKey, partNames);
     const std::vector<std::int64_t> counts(pieces.begin(), pieces.end());
     for (const char* name : {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"})
         file.numbers(name, counts);

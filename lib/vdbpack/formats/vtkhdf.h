@@ -34,9 +34,9 @@ std::uint64_t bytesOfVtkHdf(std::uint64_t points, const std::vector<NumberColumn
 
 /// Makes the file of an unstructured grid of vertices, in pieces of so many points, with room for
 /// its arrays one after another: their values are then written as bytes, by any number of
-/// processes. @throws IoError
+/// processes. @param partNames  as `partLines`. @throws IoError
 VtkHdfOffsets layOutVtkHdf(const std::string& path, const std::vector<std::uint64_t>& pieces,
                            const std::vector<NumberColumn>& columns, Unit unit,
-                           const std::string& generator);
+                           const std::string& generator, const std::string& partNames);
 
 }  // namespace vdbpack

@@ -9,9 +9,6 @@
 
 namespace vdbpack {
 
-namespace {
-
-/// A cell as RFC 4180 wants it: in quotes where it holds a comma, a quote or a line end.
 void appendCell(std::string& text, std::string_view cell) {
     if (cell.find_first_of(",;\"\t\r\n") == std::string::npos) {
         text += cell;
@@ -25,8 +22,6 @@ void appendCell(std::string& text, std::string_view cell) {
     }
     text += '"';
 }
-
-}  // namespace
 
 PackTextRows csvRows(const PackView& pack) {
     PackTextRows rows;

@@ -153,7 +153,7 @@ PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, con
 
     PackTextRows rows;
     std::string& header = rows.header;
-    header = title + "\n\n";
+    header = title + '\n' + partComments(pack.attributes()) + '\n';
     header += fmt::format("{} atoms\n{} atom types\n", all.count, all.types);
     if (bonds) header += fmt::format("{} bonds\n1 bond types\n", *bonds);
     header += '\n';

@@ -1,5 +1,6 @@
 // numpy's .npz: a zip archive with one .npy array per member. Source: numpy.lib.format, version 1.
 #include "vdbpack/formats/format_words.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/npy_array.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/zip_writer.h"
@@ -134,6 +135,8 @@ void writeNpz(const PackView& pack, const PackWriteOptions& options, OutputFile&
             addTexts(zip, memberName(name), texts, shape);
         });
     addTexts(zip, kUnitKey, {unitName(options.unit)}, "()");
+    if (const auto& names = partNames(pack.attributes()); !names.empty())
+        addTexts(zip, kPartNamesKey, names, fmt::format("({},)", names.size()));
     if (!options.generator.empty()) addTexts(zip, kGeneratorKey, {options.generator}, "()");
     zip.finish();
 }

@@ -377,6 +377,8 @@ void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile&
     const auto grid = points.make();
     if (pack.cell().any())
         grid->insertMeta(kCellKey, openvdb::StringMetadata(cellText(pack.cell())));
+    if (const auto names = partLines(pack.attributes()); !names.empty())
+        grid->insertMeta(kPartNamesKey, openvdb::StringMetadata(names));
     writeGrids(options, {grid}, out);
 }
 

@@ -105,14 +105,18 @@ void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile&
         hostIsBigEndian() ? "BigEndian" : "LittleEndian"));
     xml.line("  <PolyData>");
     xml.line("    <FieldData>");
-    const auto note = [&xml](const char* name, const std::string& text) {
+    const auto note = [&xml](const char* name, const std::string& lines) {
+        const auto texts = splitAt(lines, '\n');
+        std::string codes;
+        for (const std::string& text : texts) codes += (codes.empty() ? "" : " ") + asCodes(text);
         xml.line(
-            fmt::format("      <Array type=\"String\" Name=\"{}\" NumberOfTuples=\"1\" "
+            fmt::format("      <Array type=\"String\" Name=\"{}\" NumberOfTuples=\"{}\" "
                         "format=\"ascii\">{}</Array>",
-                        name, asCodes(text)));
+                        name, texts.size(), codes));
     };
     note(kUnitKey, unitName(options.unit));
     if (pack.cell().any()) note(kCellKey, cellText(pack.cell()));
+    if (const auto names = partLines(pack.attributes()); !names.empty()) note(kPartNamesKey, names);
     if (!options.generator.empty()) note(kGeneratorKey, oneLine(options.generator));
     xml.line("    </FieldData>");
     xml.line(

@@ -29,6 +29,8 @@ PackTextRows yadeRows(const PackView& pack, const PackWriteOptions& options) {
         rows.header += fmt::format("# {}: {}\n", kCellKey, cellText(pack.cell()));
     if (!options.generator.empty())
         rows.header += fmt::format("# {}: {}\n", kGeneratorKey, oneLine(options.generator));
+    if (const std::string names = partComments(pack.attributes()); !names.empty())
+        rows.header += fmt::format("# matId = {}\n", materials.formula()) + names;
     rows.append = [&pack, materials](std::string& text, std::size_t i) {
         for (const double c : pack.position(i)) {
             appendNumber(text, c);

@@ -33,7 +33,10 @@ std::vector<std::string> seriesIn(const std::string& folder, const ImageReadOpti
         if (kind.image) series[kind.series].push_back(entry.path().string());
     }
     if (failed) throw IoError(fmt::format("{}: cannot be read: {}", folder, failed.message()));
-    if (series.empty()) throw InputError(folder + ": has no DICOM image files and no .tif files");
+    if (series.empty())
+        throw InputError(folder +
+                         ": has no DICOM image files, no .tif files and no masks (.nii .nii.gz "
+                         ".nrrd .mha)");
     std::string list;
     for (auto& [id, files] : series) {
         std::sort(files.begin(), files.end());

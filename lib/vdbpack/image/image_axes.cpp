@@ -137,6 +137,19 @@ void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callba
     for (std::size_t k = 0; k < 3; ++k) grid.step[k] = unit[k] * spacing.c[k];
 }
 
+double cornersApart(const ImageGrid& a, const ImageGrid& b) {
+    double largest = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        Vec<3> index;
+        for (int d = 0; d < 3; ++d)
+            index[d] =
+                corner >> d & 1 ? static_cast<double>(a.size[static_cast<std::size_t>(d)]) - 1 : 0;
+        largest = std::max(largest, length(a.at(index) - b.at(index)));
+    }
+    const Vec<3> s = a.spacing();
+    return largest / std::min({s[0], s[1], s[2]});
+}
+
 void toFloats(NumberType type, const std::shared_ptr<std::byte[]>& from, std::size_t count,
               double slope, double intercept, float* to) {
     Image image;

@@ -31,6 +31,9 @@ double unitFactor(const std::string& unit, const std::string& path, const Callba
 /// @throws InputError for axes without length or in one plane.
 void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callbacks);
 
+/// The largest distance between the same corners of two grids of one size, in voxels of the first.
+double cornersApart(const ImageGrid& a, const ImageGrid& b);
+
 /// Numbers of a type as floats: slope * number + intercept. @param from  aligned for the type
 void toFloats(NumberType type, const std::shared_ptr<std::byte[]>& from, std::size_t count,
               double slope, double intercept, float* to);

@@ -2,8 +2,10 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/image/dicom.h"
+#include "vdbpack/image/dicom_check.h"
 #include "vdbpack/image/header_checks.h"
 #include "vdbpack/image/itk_image.h"
+#include "vdbpack/image/mask_folder.h"
 #include "vdbpack/image/meta_image.h"
 #include "vdbpack/image/nifti.h"
 #include "vdbpack/io/suggest.h"
@@ -14,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -56,16 +59,15 @@ bool matches(const char* name, const char* pattern) {
     return *name == *pattern && matches(name + 1, pattern + 1);
 }
 
-/// The TIFF files of a folder whose names match a pattern, in order.
-std::vector<std::string> tiffFiles(const std::filesystem::path& folder,
-                                   const std::string& pattern) {
+/// The files of a folder whose names are accepted, in order; hidden files are not.
+std::vector<std::string> filesIn(const std::filesystem::path& folder,
+                                 const std::function<bool(const std::string&)>& accepts) {
     std::vector<std::string> files;
     std::error_code failed;
     const std::filesystem::path shown = folder.empty() ? std::filesystem::path(".") : folder;
     for (const auto& entry : std::filesystem::directory_iterator(shown, failed)) {
         const std::string name = entry.path().filename().string();
-        if (isTiff(name) && matches(name.c_str(), pattern.c_str()))
-            files.push_back((folder / name).string());
+        if (name.front() != '.' && accepts(name)) files.push_back((folder / name).string());
     }
     if (failed)
         throw IoError(fmt::format("{}: cannot be read: {}", shown.string(), failed.message()));
@@ -130,6 +132,29 @@ bool isFolder(const std::string& path) {
     return std::filesystem::is_directory(path, ignored);
 }
 
+/// Slices as TIFF or DICOM, or masks.
+Image readFolder(const std::string& path, const ImageReadOptions& options) {
+    const auto slices = filesIn(path, isTiff), masks = filesIn(path, namesMask);
+    if (!masks.empty()) {
+        const auto others = slices.empty()
+                                ? filesIn(path,
+                                          [&](const std::string& name) {
+                                              const auto file = std::filesystem::path(path) / name;
+                                              return std::filesystem::is_regular_file(file) &&
+                                                     checkDicom(file.string()).dicom;
+                                          })
+                                : slices;
+        if (others.empty()) return readMasks(masks, path, options);
+        throw InputError(fmt::format(
+            "{}: has masks such as {} and slices such as {}; move one kind into another folder, or "
+            "give the file of one mask",
+            path, masks.front(), others.front()));
+    }
+    if (slices.empty()) return readDicom(path, options);
+    checkNumbers(slices);
+    return readTiffStack(slices, options);
+}
+
 bool isPattern(const std::string& path) {
     return isTiff(path) &&
            std::filesystem::path(path).filename().string().find('*') != std::string::npos;
@@ -162,15 +187,13 @@ Image readImage(const std::string& path, const ImageReadOptions& options) {
                 throw ParameterError(fmt::format(
                     "`voxelSpacing` {:g},{:g},{:g}: distances of voxels are positive",
                     (*options.spacing)[0], (*options.spacing)[1], (*options.spacing)[2]));
-    if (isFolder(path)) {
-        const auto files = tiffFiles(path, "*");
-        if (files.empty()) return readDicom(path, options);
-        checkNumbers(files);
-        return readTiffStack(files, options);
-    }
+    if (isFolder(path)) return readFolder(path, options);
     if (isPattern(path)) {
         const std::filesystem::path pattern = path;
-        const auto files = tiffFiles(pattern.parent_path(), pattern.filename().string());
+        const std::string wanted = pattern.filename().string();
+        const auto files = filesIn(pattern.parent_path(), [&](const std::string& name) {
+            return isTiff(name) && matches(name.c_str(), wanted.c_str());
+        });
         if (files.empty()) throw IoError(path + ": no file has such a name");
         checkNumbers(files);
         return readTiffStack(files, options);

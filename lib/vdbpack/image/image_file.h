@@ -10,7 +10,7 @@
 namespace vdbpack {
 
 /// Whether a path is read as an image: .nii .nii.gz .nrrd .nhdr .mha .mhd .dcm, a folder of DICOM
-/// or TIFF files, .tif .tiff, or a pattern of such ("slices/*.tif").
+/// or TIFF files or of masks, .tif .tiff, or a pattern of such ("slices/*.tif").
 bool namesImage(const std::string& path);
 
 struct ImageReadOptions {
@@ -28,7 +28,8 @@ struct ImageReadOptions {
 /// (with a warning above 1e-5); axes that are sheared by more are kept as they are, with a warning.
 /// Slices and frames of DICOM are placed by their positions, which must be evenly spaced. TIFF
 /// stacks are sorted by the numbers in their names, which must follow in even steps. Segments of
-/// DICOM segmentations are labels with names, those that overlap in layers of their own.
+/// DICOM segmentations are labels with names, those that overlap in layers of their own; so are
+/// the masks of a folder of .nii .nii.gz .nrrd .nhdr .mha .mhd, by the names of their files.
 ///
 /// @throws InputError for content that is no image or cannot be placed, IoError if a file cannot be
 /// read, ParameterError for a useless `spacing` or where the build has no image libraries,

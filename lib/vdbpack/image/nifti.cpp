@@ -7,11 +7,14 @@
 
 #include <fmt/format.h>
 #include <nifti2_io.h>
+#include <pugixml.hpp>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string_view>
+#include <vector>
 
 namespace vdbpack {
 
@@ -48,18 +51,24 @@ ImageGrid gridOf(const nifti_dmat44& m, double unit) {
     return grid;
 }
 
-/// The largest distance between the same corners of two grids, in voxels.
-double apart(const ImageGrid& a, const ImageGrid& b) {
-    double largest = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        Vec<3> index;
-        for (int d = 0; d < 3; ++d)
-            index[d] =
-                corner >> d & 1 ? static_cast<double>(a.size[static_cast<std::size_t>(d)]) - 1 : 0;
-        largest = std::max(largest, length(a.at(index) - b.at(index)));
+/// The names in a table of labels, as programs of Connectome Workbench, nibabel and
+/// TotalSegmentator have it in an extension of the header: <Label
+/// Key="25"><![CDATA[sacrum]]></Label>.
+std::vector<LabelName> labelNames(const nifti_image& nifti) {
+    std::vector<LabelName> names;
+    for (int k = 0; k < nifti.num_ext; ++k) {
+        const nifti1_extension& extension = nifti.ext_list[k];
+        const std::string_view text(extension.edata, static_cast<std::size_t>(extension.esize) - 8);
+        pugi::xml_document xml;
+        // Blanks and zeros may follow.
+        if (!xml.load_buffer(text.data(), text.find_last_of('>') + 1)) continue;
+        for (const pugi::xpath_node& found : xml.select_nodes("//LabelTable/Label")) {
+            const pugi::xml_node label = found.node();
+            if (const auto value = label.attribute("Key").as_llong())
+                names.push_back({std::string(trimmed(label.text().get())), value, 0});
+        }
     }
-    const Vec<3> s = a.spacing();
-    return largest / std::min({s[0], s[1], s[2]});
+    return names;
 }
 
 /// Reads the numbers as they are; niftilib would make those that are not finite 0.
@@ -107,7 +116,7 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
         grid.size = size;
         ImageGrid other = gridOf(nifti->qto_xyz, unit);
         other.size = size;
-        const double off = nifti->qform_code > 0 ? apart(grid, other) : 0;
+        const double off = nifti->qform_code > 0 ? cornersApart(grid, other) : 0;
         if (off > 0.1)
             callbacks.warn(fmt::format(
                 "{}: its sform and its qform place it {:.3g} voxels apart; the sform is used", path,
@@ -132,6 +141,7 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
         image.slope = nifti->scl_slope;
         image.intercept = nifti->scl_inter;
     }
+    image.names = labelNames(*nifti);
     image.isSpaced = spaced;
     image.unit = stated;
     image.format = nifti->nifti_type == NIFTI_FTYPE_ANALYZE ? "Analyze" : "NIfTI";

@@ -210,18 +210,22 @@ void list(OptionList& rows, MeshRecipe& job, PrintOptions& print) {
     rows.text("FILE", "", job.domain.source, "mesh (.stl .obj .ply .off .gts .vtp .vtk)")
         .naming(FileIn::pack)
         .required = true;
-    outputOption(rows, job.outputs, "write the mesh as .stl; with `repair`, the repaired mesh");
+    outputOption(
+        rows, job.outputs,
+        "write the mesh as .stl, repaired with `repair`, and moved with `transform` and the like");
     rows.group("Run");
     rows.flag("check", job.check,
               "exit with code 1 if the mesh cannot be packed as it is; with `repair`, if it cannot "
               "be packed once repaired");
+    poseOptions(rows, job.domain.pose);
     repairOptions(rows, job.domain);
     fileOptions(rows, job, job.domain, print);
 }
 
 void list(OptionList& rows, ImageRecipe& job, PrintOptions& print) {
     rows.text("FILE", "", job.domain.source,
-              "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files")
+              "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files or "
+              "of masks")
         .naming(FileIn::pack)
         .required = true;
     imagePlacement(rows, job.domain);

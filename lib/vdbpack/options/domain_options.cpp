@@ -3,13 +3,13 @@
 #include "vdbpack/options/option_rows.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace vdbpack {
 
 const char* const kDomainHelp =
     "mesh (.stl .obj .ply .off .gts .vtp .vtk), image (.nii .nii.gz .nrrd .nhdr .mha .mhd, folder "
-    "of "
-    "DICOM or TIFF files), level set (.vdb) or shape about the origin: "
+    "of DICOM or TIFF files or of masks), level set (.vdb) or shape about the origin: "
     "box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  "
     "disc:R  periodic:LX,LY,LZ  periodic:LX,LY";
 
@@ -38,7 +38,42 @@ void clipOption(OptionList& rows, std::vector<Clip>& clips) {
     option.as("clips").repeats = true;
 }
 
+/// The numbers of a list, as text.
+std::string numberList(const std::vector<double>& numbers) {
+    return fmt::format("{}", fmt::join(numbers, ","));
+}
+
 }  // namespace
+
+void poseOptions(OptionList& rows, Pose& pose) {
+    rows.group("Domain");
+    rows.text("transform", "FILE.tfm", pose.file,
+              "move the mesh or image of the domain as 3D Slicer moves a model by this linear "
+              "transform (.tfm, text of ITK), after `unit` and `scale`")
+        .naming(FileIn::whole);
+    rows.custom(
+            "matrix", "M11,M12,...",
+            "move it by 3 or 4 rows of 4 numbers, one after another; the fourth column is the "
+            "shift, mm",
+            [&pose](const std::string& text) { pose.matrix = parseMatrix(text); },
+            [&pose] { return numberList(pose.matrix); })
+        .of(OptionKind::numbers);
+    rows.custom(
+            "rotate", "X,Y,Z,DEGREES",
+            "then turn it about the axis with direction X,Y,Z through the origin, right-handed; "
+            "three more numbers give another point of the axis, mm",
+            [&pose](const std::string& text) { pose.rotate = parseRotation(text); },
+            [&pose] { return numberList(pose.rotate); })
+        .of(OptionKind::numbers);
+    rows.custom(
+            "translate", "X,Y,Z", "then shift it, mm",
+            [&pose](const std::string& text) {
+                const auto v = parseCounted("translate", text, "X,Y,Z", {3});
+                pose.translate = {{v[0], v[1], v[2]}};
+            },
+            [&pose] { return pose.translate ? textOf(*pose.translate) : std::string(); })
+        .of(OptionKind::numbers);
+}
 
 void domainArgument(OptionList& rows, DomainRecipe& domain) {
     rows.group("");
@@ -68,6 +103,7 @@ void domainOptions(OptionList& rows, DomainRecipe& domain) {
         "slice", "z=V", "use the plane z = V of the domain; its spheres are circles",
         [&domain](const std::string& text) { domain.slice = parseSlice(text); },
         [&domain] { return domain.slice ? fmt::format("z={}", *domain.slice) : std::string(); });
+    poseOptions(rows, domain.pose);
     clipOption(rows, domain.clips);
     rows.custom(
         "periodic", "AXES",

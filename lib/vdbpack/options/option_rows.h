@@ -19,6 +19,7 @@ void domainArgument(OptionList& rows, DomainRecipe& domain);
 void domainOption(OptionList& rows, DomainRecipe& domain, const std::string& note = {},
                   const char* shown = "DOMAIN");
 void domainOptions(OptionList& rows, DomainRecipe& domain);
+void poseOptions(OptionList& rows, Pose& pose);
 void imageOptions(OptionList& rows, DomainRecipe& domain);
 void imagePlacement(OptionList& rows, DomainRecipe& domain);
 void repairOptions(OptionList& rows, DomainRecipe& domain);

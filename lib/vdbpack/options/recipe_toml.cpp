@@ -45,9 +45,13 @@ public:
     }
 
     /// The texts of an option as they would stand on the command line; none for an empty list.
+    /// Lists of numbers, or of rows of them, are one text with commas.
     std::vector<std::string> of(const std::string& option, const toml::node& value) const {
         std::vector<std::string> texts;
-        if (const auto* array = value.as_array()) {
+        std::string numbers;
+        if (const auto* array = value.as_array(); array && addNumbers(*array, numbers)) {
+            if (!numbers.empty()) texts.push_back(numbers);
+        } else if (array) {
             for (const auto& each : *array) {
                 if (!isPlain(each))
                     fail(each, option + ": may contain only texts, numbers, true and false");
@@ -59,6 +63,15 @@ public:
             fail(value, option + ": is a date or a table; give a text, a number, true or false");
         }
         return texts;
+    }
+    /// @return false for a list that holds anything else
+    static bool addNumbers(const toml::array& array, std::string& text) {
+        for (const auto& each : array) {
+            const auto* row = each.as_array();
+            if (row ? !addNumbers(*row, text) : !each.is_number()) return false;
+            if (!row) text += (text.empty() ? "" : ",") + nodeText(each);
+        }
+        return true;
     }
     [[noreturn]] void fail(const toml::node& where, const std::string& what) const {
         throw InputError(fmt::format("{}: line {}: {}", file_, where.source().begin.line, what));

@@ -151,7 +151,7 @@ void VoidRows::addAmounts() const {
         .hiddenIf(!spheres);  // accepted, without effect
     rows.text("void-matrix", "FILE", voids.matrix,
               "file with 0 or 1 for each box of grid, top row first")
-        .as("matrix")
+        .as("voids.matrix")
         .naming(FileIn::whole);
     rows.numbers(
             "void-cell", "SIZE", voids.cell,

@@ -81,6 +81,7 @@ std::vector<PackRecipe> meshRecipes(const PackRecipe& recipe, const Callbacks& c
         domain.partsBy = PartsBy::none;
         domain.unit = Unit::millimeter;
         domain.scale = 1;
+        domain.pose = {};
         domain.mesh = std::make_shared<const TriangleMesh>(std::move(parts[k].mesh));
     }
     return recipes;

@@ -304,6 +304,9 @@ void joinParts(const Parts& parts, PackedParts& packed, std::size_t warnings, Ru
         all.parts.sources.push_back(parts[k].source);
         all.parts.solids.push_back(solidOf(run));
     }
+    std::vector<std::string> names;
+    for (const Part& part : parts) names.push_back(part.recipe.name);
+    setPartNames(all.pack, std::move(names));
     all.facts.positionStep = step;
     joined.finish();
     all.report.interrupted = packed.interrupted;

@@ -151,6 +151,16 @@ Json columnOf(const std::string& name, const std::vector<Value>& all,
     return column;
 }
 
+/// Shows the names of what numbers stand for, where each number has one.
+void nameKinds(const Column& column, Json& facts) {
+    const auto isNamed = [&](double v) {
+        return v >= 0 && v < static_cast<double>(column.names.size()) && v == std::floor(v);
+    };
+    if (!std::all_of(column.numbers.begin(), column.numbers.end(), isNamed)) return;
+    facts["names"] = column.names;
+    facts["colors"] = bytesOf(kindColors(), column.names.size());
+}
+
 /// A column of texts: their indices in `names`.
 Json columnOf(const std::string& name, const std::vector<std::string>& texts,
               const std::vector<std::uint32_t>& rows) {
@@ -177,6 +187,8 @@ void addColumns(const Pack<Dim>& pack, const std::vector<std::uint32_t>& rows, s
     forEachAttribute(pack, [&](std::string_view name, const auto& values) {
         if (values.size() != pack.spheres.size()) return;
         Json column = columnOf(std::string(name), values, rows);
+        for (const Column& own : pack.columns)
+            if (name == own.name && !own.names.empty()) nameKinds(own, column);
         const std::size_t more = column.dump(-1, ' ', false, Json::error_handler_t::replace).size();
         if (bytes + more > most) {
             leftOut += (leftOut.empty() ? "" : ", ") + std::string(name);

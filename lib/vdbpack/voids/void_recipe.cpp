@@ -86,7 +86,7 @@ struct MethodCheck {
         requireOneAmount("voids.probability", m.probability.has_value(), m.targetBvtv);
         requireOneAmount("matrix", !m.matrix.empty(), m.targetBvtv);
         if (m.matrix.empty() && m.cell.empty())
-            throw ParameterError("`voids` grid needs `matrix` or `cell`");
+            throw ParameterError("`voids` grid needs `voids.matrix` or `cell`");
     }
     void operator()(const OverlayVoids& m) const { checkAmount(m); }
     void operator()(const BooleanVoids& m) const {
