@@ -232,7 +232,7 @@ TEST_CASE("each touching pair is a bond between its atoms") {
     REQUIRE_THAT(text, Contains("\nAtoms # hybrid\n\n10 1 0.1"));
     REQUIRE(text.substr(text.find("Bonds\n")) == "Bonds\n\n1 1 10 20\n2 1 20 30\n");
     PackWriteOptions options;
-    options.contactTolerance = 0.2;
+    options.bonds.tolerance = 0.2;
     REQUIRE_THAT(written(pack, options, "lammps-bonds:"), Contains("\n3 1 30 40\n"));
 }
 

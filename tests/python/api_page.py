@@ -7,7 +7,7 @@ import textwrap
 import vdbpack
 
 GROUPS = {
-    "Runs": ["pack", "densify", "carve", "voids", "verify", "measure", "morphometry", "convert", "repair",
+    "Runs": ["pack", "densify", "carve", "voids", "verify", "measure", "stiffness", "morphometry", "convert", "repair",
              "inspect_mesh", "inspect_image", "predict"],
     "Results": ["Pack", "Voids", "Report"],
     "Domains": ["box", "ball", "cylinder", "rect", "disc", "image", "level_set", "Image", "LevelSet", "Mesh", "Shape"],

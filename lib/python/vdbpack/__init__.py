@@ -19,7 +19,8 @@ except ImportError as _error:
     raise
 
 from ._commands import (
-    carve, convert, densify, inspect_image, inspect_mesh, measure, morphometry, pack, predict, repair, verify, voids,
+    carve, convert, densify, inspect_image, inspect_mesh, measure, morphometry, pack, predict, repair, stiffness, verify,
+    voids,
 )
 from ._core import __version__
 from ._domains import Image, LevelSet, Mesh, Shape, ball, box, cylinder, disc, image, level_set, rect
@@ -31,6 +32,6 @@ __all__ = [
     "Error", "FileError", "Image", "InputError", "LevelSet", "Mesh", "Pack", "ParameterError", "Report",
     "ResourceError", "Shape", "Sizes", "VdbpackWarning", "Voids", "__version__", "ball", "box", "carve", "constant",
     "convert", "cylinder", "densify", "disc", "image", "inspect_image", "inspect_mesh", "level_set", "lognormal",
-    "measure", "morphometry", "normal", "pack", "predict", "read", "read_points", "rect", "repair", "table",
-    "uniform", "verify", "voids", "write", "write_points",
+    "measure", "morphometry", "normal", "pack", "predict", "read", "read_points", "rect", "repair", "stiffness",
+    "table", "uniform", "verify", "voids", "write", "write_points",
 ]

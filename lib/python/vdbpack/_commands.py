@@ -17,8 +17,8 @@ from ._pack import Pack, Report, Voids
 from ._progress import Bar, Progress, progress_of
 from ._sizes import Table
 
-__all__ = ["pack", "densify", "carve", "voids", "verify", "measure", "morphometry", "convert", "repair", "inspect_mesh",
-           "inspect_image", "predict"]
+__all__ = ["pack", "densify", "carve", "voids", "verify", "measure", "stiffness", "morphometry", "convert", "repair",
+           "inspect_mesh", "inspect_image", "predict"]
 
 _TABLE = {command: {option.keyword: option for option in options} for command, _, options in _core.options()}
 PackLike = Union[Pack, str, "os.PathLike[str]"]
@@ -184,6 +184,18 @@ def measure(given: PackLike, domain: Optional[Domain] = None, *, progress: Progr
     `pack`. options: those of `vdb_pack measure`; lengths in mm.
     """
     return _report(_run("measure", _pack_word(given), options, progress, domain))
+
+
+def stiffness(given: PackLike, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any) -> Report:
+    """Computes the apparent stiffness of the bonded spheres of a pack.
+
+    given: a `Pack` or a file. domain: that of the pack, whose volume stresses are averaged over; by default
+        the box around the spheres, or the periodic cell. progress: as for `pack`.
+    options: those of `vdb_pack stiffness`: contact_tol, bond_modulus (MPa), bond_shear, ...
+
+    `["stiffness"]` has shape (6, 6), MPa, in Voigt's order xx yy zz yz xz xy; `["isotropic"]` has E and nu.
+    """
+    return _report(_run("stiffness", _pack_word(given), options, progress, domain))
 
 
 def morphometry(solid: Domain, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any) -> Report:

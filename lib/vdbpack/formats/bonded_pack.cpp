@@ -14,11 +14,13 @@
 
 namespace vdbpack {
 
-std::vector<Bond> bondsIn(const Pack<3>& pack, const BondOptions& options) {
+template <int Dim>
+std::vector<Contact> bondedPairs(const Pack<Dim>& pack, const BondOptions& options) {
     const Materials materials(pack);
     const double across = std::max(options.tolerance, options.interfaceTolerance);
     auto pairs =
         listContacts(pack.spheres, materials.hasParts() ? across : options.tolerance, pack.cell);
+    if (!materials.hasParts() || across <= options.tolerance) return pairs;
     pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
                                [&](const Contact& c) {
                                    const double smaller =
@@ -27,10 +29,17 @@ std::vector<Bond> bondsIn(const Pack<3>& pack, const BondOptions& options) {
                                           materials.partOf(c.i) == materials.partOf(c.j);
                                }),
                 pairs.end());
+    return pairs;
+}
+
+template std::vector<Contact> bondedPairs(const Pack<2>&, const BondOptions&);
+template std::vector<Contact> bondedPairs(const Pack<3>&, const BondOptions&);
+
+std::vector<Bond> bondsIn(const Pack<3>& pack, const BondOptions& options) {
     BondLaw law = options.law;
     if (const Column* const moduli = columnOfNumbers(pack, kModulusColumn))
         law.moduli = moduli->numbers;
-    return bondsOf(pack, pairs, law);
+    return bondsOf(pack, bondedPairs(pack, options), law);
 }
 
 void writeBonds(const Pack<3>& pack, const std::vector<Bond>& bonds, const std::string& file,

@@ -9,7 +9,11 @@
 
 namespace vdbpack {
 
-/// The bonds, sorted by i, then j. @throws as `bondsOf` and `listContacts`; ParameterError for
+/// The pairs of spheres that are bonded, sorted by i, then j.
+template <int Dim>
+std::vector<Contact> bondedPairs(const Pack<Dim>& pack, const BondOptions& options);
+
+/// Their bonds, sorted by i, then j. @throws as `bondsOf` and `listContacts`; ParameterError for
 /// spheres whose modulus is not positive.
 std::vector<Bond> bondsIn(const Pack<3>& pack, const BondOptions& options);
 

@@ -21,6 +21,9 @@ namespace vdbpack {
 
 namespace {
 
+/// Share of spheres smaller than a voxel above which a warning names them.
+constexpr double kSmallShare = 0.01;
+
 struct Sample {
     std::string name, file;
 };
@@ -102,20 +105,39 @@ void setColumn(PackAttributes& pack, const char* name, std::vector<double> numbe
     pack.columns.push_back({name, std::move(numbers), {}});
 }
 
+/// Warns of spheres that are smaller than the voxels they are sampled from.
+void warnOfSmall(const std::vector<Sphere<3>>& balls, const Image& image, const std::string& file,
+                 const Callbacks& callbacks) {
+    double across = 0;  // a voxel's shortest edge
+    for (const Vec<3>& step : image.grid.step)
+        across = across > 0 ? std::min(across, length(step)) : length(step);
+    const auto small = std::count_if(balls.begin(), balls.end(), [&](const Sphere<3>& ball) {
+        return 2 * ball.radius < across;
+    });
+    if (static_cast<double>(small) > kSmallShare * static_cast<double>(balls.size()))
+        callbacks.warn(fmt::format(
+            "{}: {} of {} spheres are smaller than its voxels of {:.3g} mm, and have the value, "
+            "and "
+            "the noise, of single voxels; `sampleLength` averages over more, such as {:.2g} mm",
+            file, small, balls.size(), across, 3 * across));
+}
+
 template <int Dim>
-void addSamples(const std::vector<std::string>& samples, const DomainRecipe& domain,
-                Pack<Dim>& pack, const Callbacks& callbacks) {
+void addSamples(const GreyRecipe& recipe, const DomainRecipe& domain, Pack<Dim>& pack,
+                const Callbacks& callbacks) {
+    const std::vector<std::string>& samples = recipe.samples;
     if (samples.empty() || pack.spheres.empty()) return;
     std::vector<Sphere<3>> balls;
     for (const Sphere<Dim>& s : pack.spheres) {
         Sphere<3> ball;
         for (int d = 0; d < 3; ++d) ball.center[d] = d < Dim ? s.center[d] : pack.sliceHeight;
-        ball.radius = s.radius;
+        ball.radius = std::max(s.radius, recipe.sampleLength / 2);
         balls.push_back(ball);
     }
     for (const std::string& text : samples) {
         const Sample sample = parsed(text);
         const Image image = readGreyImage(sample.file, domain, callbacks);
+        warnOfSmall(balls, image, sample.file, callbacks);
         auto means = ballMeans(image, balls);
         const auto outside =
             std::count_if(means.begin(), means.end(), [](double v) { return std::isnan(v); });
@@ -200,19 +222,21 @@ std::vector<double> classesOf(const Densities& densities, int count) {
     return classes;
 }
 
+/// @param densities  kg/m³; empty: no modulus follows from them.
 std::vector<double> moduliOf(const GreyRecipe& recipe, const PartProperties& parts,
-                             const PackAttributes& pack, const std::vector<double>& densities) {
-    const auto [a, b] = parsedModulus(recipe.modulus);
-    std::map<std::int32_t, std::pair<double, double>> laws;
+                             const PackAttributes& pack, std::size_t count,
+                             const std::vector<double>& densities) {
+    using Law = std::pair<double, double>;
+    const Law common = recipe.modulus.empty() ? Law() : parsedModulus(recipe.modulus);
+    std::map<std::int32_t, Law> laws;
     for (const auto& [part, text] : parts.modulus) laws[part] = parsedModulus(text);
     const Materials materials(pack);
     std::vector<double> moduli;
-    moduli.reserve(densities.size());
-    for (std::size_t i = 0; i < densities.size(); ++i) {
+    moduli.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
         const auto own = laws.find(materials.partOf(i));
-        const auto& [first, power] =
-            own == laws.end() ? std::pair<double, double>(a, b) : own->second;
-        moduli.push_back(first * std::pow(densities[i] / 1000, power));
+        const auto& [first, power] = own == laws.end() ? common : own->second;
+        moduli.push_back(power == 0 ? first : first * std::pow(densities[i] / 1000, power));
     }
     return moduli;
 }
@@ -248,28 +272,33 @@ std::vector<std::string> checkGrey(const GreyRecipe& recipe, const std::string& 
             throw ParameterError(
                 "`density` and `calibration`: spheres have one density; leave one of them out");
     }
-    if (!recipe.modulus.empty()) {
-        parsedModulus(recipe.modulus);
-        if (recipe.calibration.empty())
-            throw ParameterError("`modulus` " + recipe.modulus +
-                                 ": follows from densities; set `calibration`");
-    }
+    if (!recipe.modulus.empty() && needsDensity(recipe.modulus) && recipe.calibration.empty())
+        throw ParameterError("`modulus` " + recipe.modulus +
+                             ": follows from densities; set `calibration`, or one modulus alone");
     return files;
+}
+
+bool needsDensity(const std::string& modulus) {
+    return parsedModulus(modulus).second != 0;
 }
 
 template <int Dim>
 void addGreyValues(const GreyRecipe& recipe, const DomainRecipe& domain,
                    const PartProperties& parts, Pack<Dim>& pack, const Callbacks& callbacks) {
-    if (recipe.empty() || pack.spheres.empty()) return;
-    addSamples(recipe.samples, domain, pack, callbacks);
-    if (recipe.calibration.empty()) return;
-    const Densities densities = densitiesOf(recipe, parts, pack, callbacks);
-    // What another calibration said is no longer true.
-    dropColumn(pack, kModulusColumn);
-    setColumn(pack, kDensityColumn, densities.all);
-    if (!recipe.modulus.empty())
-        setColumn(pack, kModulusColumn, moduliOf(recipe, parts, pack, densities.all));
-    setColumn(pack, kClassColumn, classesOf(densities, recipe.classes));
+    if ((recipe.empty() && parts.modulus.empty()) || pack.spheres.empty()) return;
+    addSamples(recipe, domain, pack, callbacks);
+    std::vector<double> densities;
+    if (!recipe.calibration.empty()) {
+        Densities found = densitiesOf(recipe, parts, pack, callbacks);
+        // What another calibration said is no longer true.
+        dropColumn(pack, kModulusColumn);
+        setColumn(pack, kDensityColumn, found.all);
+        setColumn(pack, kClassColumn, classesOf(found, recipe.classes));
+        densities = std::move(found.all);
+    }
+    if (!recipe.modulus.empty() || !parts.modulus.empty())
+        setColumn(pack, kModulusColumn,
+                  moduliOf(recipe, parts, pack, pack.spheres.size(), densities));
 }
 
 template void addGreyValues(const GreyRecipe&, const DomainRecipe&, const PartProperties&, Pack<2>&,

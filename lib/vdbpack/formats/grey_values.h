@@ -20,8 +20,11 @@ struct GreyRecipe {
     /// "SLOPE,INTERCEPT": density of each sphere, kg/m³, from the only sample; with "NAME=" before
     /// it, from a column of that name. Empty: none.
     std::string calibration;
-    /// "A,B": Young's modulus A * density^B, MPa, of a density in g/cm³. Empty: none.
+    /// "A,B": Young's modulus A * density^B, MPa, of a density in g/cm³; "E": without densities.
+    /// Empty: none.
     std::string modulus;
+    /// Samples are means over balls of at least this diameter, mm: about a sphere that is smaller.
+    double sampleLength = 0;
     int classes = 10;  ///< of density, for programs that know materials by number
 
     bool empty() const { return samples.empty() && calibration.empty() && modulus.empty(); }
@@ -42,6 +45,9 @@ struct PartProperties {
     std::map<std::int32_t, double> density;       ///< kg/m³, by `Materials::withoutClass`
     std::map<std::int32_t, std::string> modulus;  ///< by part, as `GreyRecipe::modulus`
 };
+
+/// Whether a modulus, as `GreyRecipe` has it, follows from densities. @throws ParameterError
+bool needsDensity(const std::string& modulus);
 
 /// Adds to a pack a column for each sample, an image in the world that `domain` says, and those of
 /// density, its classes and moduli (`kDensityColumn`, ...) where they are requested.

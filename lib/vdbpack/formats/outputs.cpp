@@ -295,7 +295,7 @@ std::vector<std::string> writeOutput(const OutputTarget& target, const RunOutput
             need(have.pack != nullptr, "pack");
             writeContacts(
                 *have.pack,
-                listContacts(have.pack->spheres, have.options.contactTolerance, have.pack->cell),
+                listContacts(have.pack->spheres, have.options.bonds.tolerance, have.pack->cell),
                 target.file, have.options.unit);
             break;
         case OutputKind::bonds:

@@ -1,6 +1,7 @@
 // Data files for LAMMPS (read_data) and LIGGGHTS. Source: LAMMPS manual, read_data.
 // Loading was tested with LAMMPS 29 Sep 2021 and LIGGGHTS 3.8.
 #include "vdbpack/core/box.h"
+#include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_formats.h"
@@ -9,7 +10,6 @@
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/row_writer.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/measure/contacts.h"
 
 #include <fmt/format.h>
 
@@ -219,9 +219,8 @@ void writeLammps(const PackView& pack, const PackWriteOptions& options, OutputFi
 }
 
 void writeLammpsBonds(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
-    const auto bonds = pack.withPack([&options](const auto& own) {
-        return listContacts(own.spheres, options.contactTolerance, own.cell);
-    });
+    const auto bonds =
+        pack.withPack([&options](const auto& own) { return bondedPairs(own, options.bonds); });
     writeAtoms(pack, options, &bonds, out);
 }
 

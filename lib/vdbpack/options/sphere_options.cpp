@@ -139,14 +139,21 @@ void greyOptions(OptionList& rows, GreyRecipe& grey) {
                "repeated")
         .as("samples")
         .naming(FileIn::sample);
+    rows.length("sample-length", "L", grey.sampleLength, Range::notNegative,
+                "that mean is over a ball of at least this diameter, mm: for spheres that are "
+                "smaller than the voxels, or a noisy image")
+        .as("sampleLength")
+        .needs = "sample";
     rows.numbers("calibrate", "[NAME=]SLOPE,INTERCEPT", grey.calibration,
                  "density of each sphere, SLOPE * grey value + INTERCEPT, kg/m3 (= mg/cm3), as "
                  "column density_kg_m3 and in the files of LAMMPS and LIGGGHTS; of `sample`, or of "
                  "the column NAME")
         .as("calibration");
-    rows.numbers("modulus", "A,B|E", grey.modulus,
-                 "Young's modulus of each sphere, A * density^B, MPa, of the density in g/cm3, as "
-                 "column modulus_MPa; E alone: the same for all. Parts may have their own");
+    rows.numbers(
+        "modulus", "A,B|E", grey.modulus,
+        "Young's modulus of each sphere, A * density^B, MPa, of the density in g/cm3, as "
+        "column modulus_MPa; E alone: the same for all, without grey values. Parts may have "
+        "their own");
     rows.count("density-classes", "N [10]", grey.classes, 1, kMostDensityClasses,
                "classes of equal width that the densities fall into: materials of YADE and types "
                "of LAMMPS, listed by materials:FILE.csv")
@@ -166,7 +173,8 @@ void bondOptions(OptionList& rows, BondOptions& bonds) {
     rows.flag("bond-hinged", bonds.law.isHinged, "bonds resist neither bending nor torsion");
     rows.number("interface-tol", "T", bonds.interfaceTolerance, Range::notNegative,
                 "spheres of two parts are bonded up to a gap of this share of the smaller radius; "
-                "all others up to `contact-tol`");
+                "all others up to `contact-tol`")
+        .as("interfaceTolerance");
 }
 
 std::pair<double, double> parseModulusAndPoisson(const std::string& text) {

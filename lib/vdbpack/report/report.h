@@ -32,6 +32,17 @@ struct PartReport {
     double density = 0;              ///< of its spheres, kg/m³; 0: none is given, or one by region
 };
 
+/// Where two parts meet.
+struct InterfaceReport {
+    std::array<std::string, 2> parts;  ///< their names
+    std::uint64_t pairs = 0;           ///< bonds across
+    double area = 0;                   ///< of their common wall, mm²
+    /// Bonds per mm² that a plane through each part cuts, on average over its directions.
+    std::array<double, 2> bulk{};
+
+    double perArea() const { return area > 0 ? static_cast<double>(pairs) / area : 0; }
+};
+
 /// All fields of the JSON report; lengths in mm, 2D: area for volume, circles for spheres.
 struct Report {
     int dim = 3;
@@ -110,6 +121,7 @@ struct Report {
 
     std::vector<PartReport> parts;           ///< empty: the pack has one domain
     std::uint64_t contactsBetweenParts = 0;  ///< pairs
+    std::vector<InterfaceReport> interfaces;
 
     std::optional<VoidReport> voids;  ///< nothing if neither voids nor a shell were requested
 

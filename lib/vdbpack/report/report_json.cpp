@@ -203,6 +203,12 @@ nlohmann::ordered_json toJson(const Report& r) {
                  {"protrusion", p.protrusion},
                  {"density", p.density > 0 ? Json(p.density) : Json()}});
         json["contacts"]["betweenParts"] = r.contactsBetweenParts;
+        for (const InterfaceReport& i : r.interfaces)
+            json["interfaces"].push_back({{"parts", i.parts},
+                                          {"bonds", i.pairs},
+                                          {"area", i.area},
+                                          {"bondsPerArea", i.perArea()},
+                                          {"bulkBondsPerArea", i.bulk}});
     }
     for (const auto& [name, value] : r.seconds.stages()) json["seconds"][name] = value;
     json["seconds"]["total"] = r.seconds.total;

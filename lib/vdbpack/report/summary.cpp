@@ -136,6 +136,12 @@ void addParts(Summary& out, const Report& r) {
         out.line(&p == &r.parts.front() ? "parts" : "", text);
     }
     out.line("", fmt::format("{} contacts between parts", grouped(r.contactsBetweenParts)));
+    for (const InterfaceReport& i : r.interfaces)
+        out.line(&i == &r.interfaces.front() ? "interfaces" : "",
+                 fmt::format("{} and {}: {} bonds on {:.4g} mm², {:.2g} per mm² (planes through "
+                             "them: {:.2g} and {:.2g})",
+                             i.parts[0], i.parts[1], grouped(i.pairs), i.area, i.perArea(),
+                             i.bulk[0], i.bulk[1]));
 }
 
 void addDensified(Summary& out, const Report& r, const DimensionWords& words) {

@@ -56,7 +56,6 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     have.voidList = &run.voids.made.list;
     have.sliceHeight = run.built.sliceHeight;
     PackWriteOptions& write = have.options;
-    write.contactTolerance = run.settings.contactTolerance;
     write.bonds = bondOptionsOf(run.settings);
     write.unit = run.settings.outUnit;
     write.images = run.settings.images;

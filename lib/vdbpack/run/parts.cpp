@@ -39,6 +39,9 @@ void checkPartsRecipe(const PackRecipe& recipe) {
                     (cut || recipe.voids.makesVoids() || !output.grid.empty())),
                output.text.c_str());
     refuse(recipe.voids.measureSolid, "`measureSolid`");
+    const bool anyModulus =
+        std::any_of(recipe.parts.begin(), recipe.parts.end(),
+                    [](const PackRecipe& part) { return !part.grey.modulus.empty(); });
     for (const PackRecipe& part : recipe.parts) {
         const GreyRecipe &own = part.grey, &all = recipe.grey;
         const bool others = (!own.samples.empty() && own.samples != all.samples) ||
@@ -47,10 +50,15 @@ void checkPartsRecipe(const PackRecipe& recipe) {
             throw ParameterError(part.name +
                                  ": `samples` and `calibration` are those of all parts; give them "
                                  "outside of the parts");
-        if (!own.modulus.empty() && all.calibration.empty())
-            throw ParameterError(part.name +
-                                 ": `modulus` is a column beside densities from grey values; set "
-                                 "`calibration`");
+        if (!own.modulus.empty() && needsDensity(own.modulus) && all.calibration.empty())
+            throw ParameterError(
+                part.name + ": `modulus` " + own.modulus +
+                " follows from densities; set `calibration`, or one modulus alone");
+        if (own.modulus.empty() && anyModulus)
+            throw ParameterError(
+                part.name +
+                ": has no modulus, but other parts have; set its `modulus`, or one "
+                "for all parts outside of them");
     }
 }
 

@@ -48,7 +48,6 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     write.unit = recipe.outUnit;
     write.images = recipe.images;
     write.generator = std::string("vdb_pack ") + VDBPACK_VERSION;
-    write.contactTolerance = recipe.contactTolerance;
     write.bonds = bondOptionsOf(recipe);
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
     const auto source = domainAround(recipe.domain, Dim, callbacks);

@@ -69,7 +69,7 @@ std::vector<std::string> writeMeasured(const Pack<Dim>& pack, const MeasureRecip
                                        const Callbacks& callbacks) {
     RunOutputs<Dim> have;
     have.pack = &pack;
-    have.options.contactTolerance = recipe.contactTolerance;
+    have.options.bonds = bondOptionsOf(recipe);
     have.options.unit = recipe.outUnit;
     return writeOutputs(recipe.outputs, have, callbacks);
 }

@@ -9,6 +9,7 @@
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/preview/drawn_wall.h"
 #include "vdbpack/report/page_frame.h"
+#include "vdbpack/run/interfaces.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/verify/overlap.h"
 
@@ -264,12 +265,6 @@ private:
     double covered_ = 0, deepCovered_ = 0, deepVolume_ = 0;
 };
 
-/// Whether any of some outputs lists pairs in contact.
-bool listsContacts(const std::vector<OutputTarget>& outputs) {
-    return std::any_of(outputs.begin(), outputs.end(),
-                       [](const OutputTarget& output) { return output.listsPairs(); });
-}
-
 /// Grids of a part under the part's name.
 void addLevelSets(const Run<3>& part, const std::string& name, JoinedParts& all) {
     auto grids = part.voids.made.levelSets();
@@ -332,11 +327,6 @@ void measureJoined(Run<3>& all) {
             report.contactsBetweenParts += part[c.i] != part[c.j];
         report.smallestGap = smallestGap(spheres);
     }
-    if (report.contactsBetweenParts == 0 && listsContacts(all.settings.outputs))
-        all.callbacks.warn(fmt::format(
-            "no contact joins two parts within `contactTolerance` {}; spheres of both sides touch "
-            "the interface, but seldom at the same point: 0.1 finds some, 0.5 most neighbors",
-            tolerance));
 }
 
 /// The densities and moduli that parts have of their own.
@@ -398,6 +388,7 @@ RunResult packParts(const PackRecipe& recipe, Parts parts, const Report& begun, 
     if (!packed.chosen.empty()) all.report.chosen.push_back(packed.chosen);
     warnOfCount(all, radii.target(), radii.count(packed.runs));
     measureJoined(all);
+    measureInterfaces(parts, all);
     setProperties(parts, packed, all);
     RunResult result = finishStage(all);
     writeReport(result, recipe.domain.source, recipe);

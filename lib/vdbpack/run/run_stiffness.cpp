@@ -19,8 +19,8 @@ namespace {
 constexpr double kMostShear = 4, kPoissonError = 5e-4;
 constexpr int kMostTries = 12;
 
-/// What the spheres fill, and which of them are at its wall.
-void setBoundary(const StiffnessRecipe& recipe, const Pack<3>& pack, BondedBody& body,
+/// What the spheres fill, in which cell, and which of them are at its wall.
+void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
                  StiffnessResult& result, const Callbacks& callbacks) {
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
     const double reach = recipe.boundary.value_or(0.1 * radius.mean);
@@ -33,6 +33,7 @@ void setBoundary(const StiffnessRecipe& recipe, const Pack<3>& pack, BondedBody&
         const auto built =
             buildAround(source, 3, radius, centers.size(), radius.max + reach, recipe, callbacks);
         body.volume = built.space->volume();
+        if (built.space->cell().any()) pack.cell = built.space->cell();
         result.body = describe(named);
         depths = built.space->signedDistances(centers);
     } else {
@@ -138,7 +139,6 @@ StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& cal
         result.seconds.measure = clock.lap();
         RunOutputs<3> have;
         have.pack = &pack;
-        have.options.contactTolerance = recipe.contactTolerance;
         have.options.bonds = options;
         have.options.unit = recipe.outUnit;
         result.files = writeOutputs(recipe.outputs, have, heard);

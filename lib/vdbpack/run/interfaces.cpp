@@ -1,0 +1,153 @@
+#include "vdbpack/run/interfaces.h"
+
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/formats/bonded_pack.h"
+#include "vdbpack/mesh/mesh_sides.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+/// Points that are spread over the wall of a part, and how far outside of it they are, in roots of
+/// the area of their triangle.
+constexpr std::size_t kWallPoints = 20000;
+constexpr double kOutside = 1e-3;
+/// Share of the bonds of the bulk below which an interface is weak.
+constexpr double kWeak = 0.5;
+/// Largest gap, in smaller radii, of pairs that are sought as bonds of an interface.
+constexpr double kFar = 1;
+
+/// The area of `wall` just outside of which `other` lies, mm².
+double commonArea(const TriangleMesh& wall, const MeshSides& other) {
+    const auto corner = [&](std::size_t t, std::size_t k) {
+        return wall.vertices[wall.triangles[t][k]];
+    };
+    std::vector<double> ends;
+    double total = 0;
+    for (std::size_t t = 0; t < wall.triangles.size(); ++t) {
+        const Vec<3> a = corner(t, 0);
+        total += 0.5 * length(cross(corner(t, 1) - a, corner(t, 2) - a));
+        ends.push_back(total);
+    }
+    std::vector<std::uint8_t> common(kWallPoints);
+    parallelFor(std::size_t(0), kWallPoints, [&](std::size_t n) {
+        const double at = (static_cast<double>(n) + 0.5) / kWallPoints * total;
+        const auto t = static_cast<std::size_t>(std::upper_bound(ends.begin(), ends.end() - 1, at) -
+                                                ends.begin());
+        const Vec<3> a = corner(t, 0), across = cross(corner(t, 1) - a, corner(t, 2) - a);
+        const double twice = length(across);
+        if (!(twice > 0)) return;
+        const Vec<3> middle = (a + corner(t, 1) + corner(t, 2)) * (1.0 / 3);
+        common[n] = other.inside(middle + across * (kOutside / std::sqrt(twice)));
+    });
+    const auto found = std::count(common.begin(), common.end(), std::uint8_t{1});
+    return total * static_cast<double>(found) / kWallPoints;
+}
+
+using PartPair = std::pair<std::size_t, std::size_t>;
+
+/// Bonds by the two parts of their spheres, the lower one first.
+std::map<PartPair, std::vector<const Bond*>> bondsByParts(const std::vector<Bond>& bonds,
+                                                          const std::vector<double>& part) {
+    std::map<PartPair, std::vector<const Bond*>> all;
+    for (const Bond& b : bonds) {
+        const auto p = static_cast<std::size_t>(part[b.i]), q = static_cast<std::size_t>(part[b.j]);
+        all[{std::min(p, q), std::max(p, q)}].push_back(&b);
+    }
+    return all;
+}
+
+/// Bonds that a plane through a part cuts, per mm², on average over all directions: half of their
+/// length per volume.
+double bulkBonds(const std::vector<const Bond*>& bonds, double volume) {
+    double sum = 0;
+    for (const Bond* b : bonds) sum += b->length;
+    return volume > 0 ? 0.5 * sum / volume : 0;
+}
+
+/// The tolerance with which an interface has so many bonds; nothing if there are fewer pairs.
+std::optional<double> toleranceFor(double wanted, const PartPair& pair, const Run<3>& all) {
+    const auto& part = all.pack.columns.front().numbers;
+    Pack<3> near;
+    std::vector<std::size_t> of;
+    const double reach = 2 * all.report.radius.max;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+        const auto p = static_cast<std::size_t>(part[i]);
+        if ((p != pair.first && p != pair.second) ||
+            (!all.pack.depth.empty() && static_cast<double>(all.pack.depth[i]) > reach))
+            continue;
+        near.spheres.push_back(all.pack.spheres[i]);
+        of.push_back(p);
+    }
+    std::vector<double> gaps;
+    for (const Contact& c : listContacts(near.spheres, kFar))
+        if (of[c.i] != of[c.j])
+            gaps.push_back(c.gap / std::min(near.spheres[c.i].radius, near.spheres[c.j].radius));
+    const auto count = static_cast<std::size_t>(std::ceil(wanted));
+    if (count == 0 || gaps.size() < count) return std::nullopt;
+    const auto nth = gaps.begin() + static_cast<std::ptrdiff_t>(count - 1);
+    std::nth_element(gaps.begin(), nth, gaps.end());
+    return std::ceil(*nth * 100) / 100;
+}
+
+void warnOfWeak(const InterfaceReport& r, const PartPair& pair, const Run<3>& all) {
+    const double bulk = std::min(r.bulk[0], r.bulk[1]);
+    if (!(r.perArea() < kWeak * bulk)) return;
+    const auto enough = toleranceFor(bulk * r.area, pair, all);
+    all.callbacks.warn(
+        fmt::format("{} and {}: {} bonds on {:.4g} mm² of their common wall, {:.2g} per mm², where "
+                    "a plane through "
+                    "{} cuts {:.2g}, so that the interface is a weak plane{}",
+                    r.parts[0], r.parts[1], r.pairs, r.area, r.perArea(),
+                    r.parts[r.bulk[0] <= r.bulk[1] ? 0 : 1], bulk,
+                    enough ? fmt::format("; `interfaceTolerance` {:g} gives it as many", *enough)
+                           : "; give smaller radii"));
+}
+
+}  // namespace
+
+void measureInterfaces(const Parts& parts, Run<3>& all) {
+    if (all.report.interrupted || all.pack.spheres.empty()) return;
+    const auto bonds = bondsIn(all.pack, bondOptionsOf(all.settings));
+    auto byParts = bondsByParts(bonds, all.pack.columns.front().numbers);
+    const auto& outputs = all.settings.outputs;
+    const bool bonded = std::any_of(outputs.begin(), outputs.end(),
+                                    [](const OutputTarget& output) { return output.listsPairs(); });
+    for (std::size_t k = 0; k + 1 < parts.size(); ++k) {
+        const auto& inner = parts[k].source->mesh();
+        std::optional<MeshSides> sides;
+        for (std::size_t l = k + 1; l < parts.size(); ++l) {
+            const auto& wall = parts[l].source->mesh();
+            if (!inner || !wall ||
+                intersection(parts[k].source->domainBounds(), parts[l].source->domainBounds())
+                    .empty())
+                continue;
+            if (!sides) sides.emplace(*inner, false);
+            InterfaceReport one;
+            one.area = commonArea(*wall, *sides);
+            if (!(one.area > 0)) continue;
+            const PartPair pair{k, l};
+            one.parts = {parts[k].recipe.name, parts[l].recipe.name};
+            one.pairs = byParts[pair].size();
+            for (const std::size_t end : {std::size_t(0), std::size_t(1)}) {
+                const std::size_t p = end == 0 ? k : l;
+                for (const PartReport& part : all.report.parts)
+                    if (part.name == parts[p].recipe.name)
+                        one.bulk[end] = bulkBonds(byParts[{p, p}], part.volume);
+            }
+            if (bonded) warnOfWeak(one, pair, all);
+            all.report.interfaces.push_back(std::move(one));
+        }
+    }
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,95 @@
+// The command stiffness: what it prints, the bonds it writes, and bonds for a wanted stiffness.
+#include "support/test.h"
+#include "support/tool.h"
+
+#include "vdbpack/io/text.h"
+
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <map>
+#include <string>
+
+namespace {
+
+const char* const kBox = "box:12,12,12";
+
+/// A pack of some hundred spheres. @return its file
+std::string packedIn(const TemporaryFolder& folder) {
+    const std::string file = folder.file("p.csv");
+    REQUIRE(vdbPack(std::string("pack ") + kBox + " --radius uniform:0.6,1.2 --quiet -o " + file)
+                .code == 0);
+    return file;
+}
+
+nlohmann::json stiffnessJson(const std::string& words) {
+    const auto run = vdbPack("stiffness " + words + " --json");
+    REQUIRE(run.code == 0);
+    return nlohmann::json::parse(run.text);
+}
+
+}  // namespace
+
+TEST_CASE("stiffness prints a symmetric matrix in proportion to the modulus of the bonds") {
+    const TemporaryFolder folder;
+    const std::string words = packedIn(folder) + " --domain " + kBox + " --contact-tol 0.01";
+    const auto one = stiffnessJson(words), twice = stiffnessJson(words + " --bond-modulus 2000");
+    CHECK(one["volume"].get<double>() == Approx(1728));
+    const auto& c = one["stiffness"];
+    for (std::size_t a = 0; a < 6; ++a)
+        for (std::size_t b = 0; b < 6; ++b) {
+            CAPTURE(a, b);
+            const double largest = c[0][0].get<double>();
+            CHECK(c[a][b].get<double>() ==
+                  Approx(c[b][a].get<double>()).epsilon(1e-4).margin(1e-4 * largest));
+            CHECK(twice["stiffness"][a][b].get<double>() ==
+                  Approx(2 * c[a][b].get<double>()).epsilon(1e-4).margin(1e-4 * largest));
+        }
+    CHECK(one["E"][0].get<double>() > 0);
+    CHECK(one["largest"]["E"].get<double>() >= one["smallest"]["E"].get<double>());
+    CHECK_THAT(vdbPack("stiffness " + words).text, Contains("isotropic") && Contains("MPa"));
+}
+
+TEST_CASE("bonds for a wanted modulus and Poisson's ratio give the pack these") {
+    const TemporaryFolder folder;
+    const std::string words = packedIn(folder) + " --domain " + kBox + " --contact-tol 0.01";
+    const auto found = stiffnessJson(words + " --bond-modulus-for 300,0.2");
+    CHECK(found["isotropic"]["E"].get<double>() == Approx(300));
+    CHECK(found["isotropic"]["nu"].get<double>() == Approx(0.2).margin(1e-3));
+    const auto& bonds = found["bonds"];
+    const auto again = stiffnessJson(words + " --bond-modulus " + bonds["modulus"].dump() +
+                                     " --bond-shear " + bonds["shearRatio"].dump());
+    CHECK(again["isotropic"]["E"].get<double>() == Approx(300).epsilon(1e-4));
+    const auto beyond = vdbPack("stiffness " + words + " --bond-modulus-for 300,0.49");
+    CHECK(beyond.code == 2);
+    CHECK_THAT(beyond.text, Contains("--bond-modulus-for") && Contains("0.49"));
+    CHECK(vdbPack("stiffness " + words + " --bond-modulus-for 300").code == 2);
+}
+
+TEST_CASE("bonds are written in the unit of lengths, forces in N") {
+    const TemporaryFolder folder;
+    const std::string pack = packedIn(folder);
+    const auto rowOf = [&](const std::string& unit) {
+        const std::string file = folder.file("b" + unit + ".csv");
+        REQUIRE(vdbPack("convert " + pack + " --contact-tol 0.01 --out-unit " + unit +
+                        " -o bonds:" + file)
+                    .code == 0);
+        std::ifstream in(file);
+        std::string names, values;
+        std::getline(in, names);
+        std::getline(in, values);
+        std::map<std::string, double> row;
+        const auto keys = splitAt(names, ','), cells = splitAt(values, ',');
+        for (std::size_t k = 0; k < keys.size(); ++k) row[keys[k]] = std::stod(cells.at(k));
+        return row;
+    };
+    auto mm = rowOf("mm"), m = rowOf("m");
+    CHECK(mm["k_n"] == Approx(mm["modulus"] * mm["area"] / mm["length"]));
+    CHECK(mm["modulus"] == Approx(1000));
+    CHECK(mm["arm_i"] + mm["arm_j"] == Approx(mm["length"]));
+    CHECK(m["modulus"] == Approx(1e9));
+    CHECK(m["length"] == Approx(1e-3 * mm["length"]));
+    CHECK(m["area"] == Approx(1e-6 * mm["area"]));
+    CHECK(m["k_n"] == Approx(1e3 * mm["k_n"]));
+    CHECK(m["k_bending"] == Approx(1e-3 * mm["k_bending"]));
+}

@@ -1,0 +1,91 @@
+// Where parts meet: area, bonds per area beside those of the bulk, and the warning of a weak plane.
+#include "support/image_file.h"
+#include "support/jobs.h"
+#include "support/test.h"
+
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/made_mesh.h"
+
+#include <cmath>
+
+namespace {
+
+PackRecipe boxPart(const std::string& file, const Box<3>& box, const char* name) {
+    writeStl(boxMesh(box), file, Unit::millimeter, "test");
+    PackRecipe part = recipeFor(file, "uniform:0.3,0.6");
+    part.name = name;
+    return part;
+}
+
+/// A box, and one that reaches into it: five of its faces lie there in whole or in part.
+PackRecipe boxAndPeg(const TemporaryFolder& folder) {
+    PackRecipe recipe;
+    recipe.parts = {boxPart(folder.file("a.stl"), {{{0, 0, 0}}, {{10, 10, 10}}}, "bone"),
+                    boxPart(folder.file("b.stl"), {{{5, 2, 2}}, {{15, 8, 8}}}, "peg")};
+    recipe.outputs = {"bonds:" + folder.file("bonds.csv")};
+    return recipe;
+}
+
+}  // namespace
+
+TEST_CASE("an interface has its area and its bonds beside those of the parts") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = boxAndPeg(folder);
+    const RunResult run = runPack(recipe);
+    REQUIRE(run.report.interfaces.size() == 1);
+    const InterfaceReport& weak = run.report.interfaces.front();
+    CHECK(weak.parts == std::array<std::string, 2>{"bone", "peg"});
+    CHECK(weak.area == Approx(6 * 6 + 4 * 5 * 6).epsilon(0.02));
+    CHECK(weak.perArea() < 0.5 * std::min(weak.bulk[0], weak.bulk[1]));
+    std::string warned;
+    for (const std::string& text : run.report.warnings)
+        if (text.find("weak plane") != std::string::npos) warned = text;
+    CHECK_THAT(warned, Contains("bone and peg"));
+    // The tolerance that it names is the remedy.
+    const std::string name = "`interfaceTolerance` ";
+    const auto at = warned.find(name);
+    REQUIRE(at != std::string::npos);
+    recipe.bonds.interfaceTolerance = std::stod(warned.substr(at + name.size()));
+    const RunResult mended = runPack(recipe);
+    const InterfaceReport& strong = mended.report.interfaces.front();
+    const double bulk = std::min(strong.bulk[0], strong.bulk[1]);
+    CHECK(strong.perArea() >= 0.99 * bulk);
+    CHECK(strong.perArea() <= 1.5 * bulk);
+    for (const std::string& text : mended.report.warnings)
+        CHECK_THAT(text, !Contains("weak plane"));
+    CHECK(mended.report.hash == run.report.hash);
+}
+
+TEST_CASE("a plane through a part cuts as many bonds as its count says") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = boxAndPeg(folder);
+    recipe.contactTolerance = 0.1;
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    const auto& part = pack.columns.front().numbers;
+    // Planes of all three directions, away from the peg and from the walls.
+    double cut = 0, area = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        for (double height = axis == 0 ? 1.5 : 1; height < (axis == 0 ? 4 : 2); height += 0.1) {
+            for (const Contact& c : listContacts(pack.spheres, 0.1)) {
+                const double a = pack.spheres[c.i].center[axis], b = pack.spheres[c.j].center[axis];
+                cut += part[c.i] == 0 && part[c.j] == 0 && (a < height) != (b < height);
+            }
+            area += 100;
+        }
+    CHECK(run.report.interfaces.front().bulk[0] == Approx(cut / area).epsilon(0.15));
+}
+
+TEST_CASE("labels that touch have the area of the voxels between them") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("halves.nrrd");
+    writeHalves(file);
+    PackRecipe recipe;
+    recipe.domain.source = file;
+    recipe.domain.label = "all";
+    recipe.targetCount = 1000;
+    const RunResult run = runPack(recipe);
+    REQUIRE(run.report.interfaces.size() == 1);
+    // A ball of radius 12 mm in two halves.
+    CHECK(run.report.interfaces.front().area == Approx(std::acos(-1.0) * 144).epsilon(0.05));
+}
