@@ -147,7 +147,7 @@ void DomainSource::takeSurface(const Callbacks& callbacks) {
         levelSet_ = isVdb ? domainLevelSet(recipe_) : recipe_.levelSet;
         mesh_ = levelSetMesh(*levelSet_, recipe_.source);
     } else {
-        mesh_ = isImage(recipe_) ? imageMesh(recipe_, callbacks, imageGrid_, spaced_)
+        mesh_ = isImage(recipe_) ? imageMesh(recipe_, callbacks, imageGrid_, spaced_, sided_)
                                  : readDomainMesh(recipe_, callbacks, repair_);
     }
     if (isFile && !levelSet_ && !isImage(recipe_)) warnOfLostDigits(*mesh_, recipe_, callbacks);

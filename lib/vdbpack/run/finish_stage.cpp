@@ -140,6 +140,8 @@ template <int Dim>
 PagePicture drawn(Run<Dim>& run) {
     const RunSettings& settings = run.settings;
     const std::string& file = settings.preview.file;
+    PreviewOptions preview = settings.preview;
+    for (const PartReport& part : run.report.parts) preview.partNames.push_back(part.name);
     const bool missing = run.report.interrupted || (run.hasPack && run.pack.spheres.empty());
     if (run.ranks() || missing || (file.empty() && !isPage(settings.reportFile))) return {};
     run.callbacks.report("write", 0, 0);
@@ -147,8 +149,8 @@ PagePicture drawn(Run<Dim>& run) {
         run.parts.drawn.triangles.empty() ? joinedWall(run) : &run.parts.drawn;
     try {
         PagePicture picture =
-            drawPreview(settings.preview, settings.reportFile, *run.source, run.built,
-                        run.voids.made, run.hasPack ? &run.pack : nullptr, run.callbacks, wall);
+            drawPreview(preview, settings.reportFile, *run.source, run.built, run.voids.made,
+                        run.hasPack ? &run.pack : nullptr, run.callbacks, wall);
         if (run.hasPack && isPage(settings.reportFile))
             addView(settings.preview, run.source.get(), run.built, run.pack, wall, false, picture);
         if (!file.empty()) run.report.files.push_back(file);
