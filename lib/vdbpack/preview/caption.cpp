@@ -20,8 +20,9 @@ constexpr double kDotSide = 450, kSmallDots = 0.8;
 constexpr double kMostShare = 0.4, kMostAspect = 3;
 /// Pixels of the shortest side.
 constexpr int kShortest = 16;
-/// Distances in dots: around the caption, from line to line, between items and within an item.
-constexpr int kBorder = 4, kLine = 14, kItemGap = 14, kGap = 3;
+/// Distances in dots: around the caption, from line to line, between scale bar, legend and cross,
+/// between named colors and within an item.
+constexpr int kBorder = 4, kLine = 14, kItemGap = 14, kKindGap = 7, kGap = 3;
 /// Dots that the length of a scale bar takes at most, but for rare ones: "0.05 mm".
 constexpr int kBarText = 7 * (kLetterWidth + 1);
 /// Share of the width that a scale bar may take, and the color bar; and its shortest length, dots.
@@ -143,9 +144,10 @@ std::vector<Caption::Place> Caption::flow(int bar, int& lines) const {
         items.push_back(textDots(legend_.ends[0]) + textDots(legend_.ends[1]) + 2 * kGap +
                         rampDots());
     // The legend stands in one line where it fits into one, else its title beside what follows.
-    int together = -kItemGap;
-    for (std::size_t k = 1; k < items.size(); ++k) together += items[k] + kItemGap;
-    if (together > columns_ && titled) together = items[1] + kItemGap + items[2];
+    const int gap = legend_.kinds.empty() ? kItemGap : kKindGap;
+    int together = -gap;
+    for (std::size_t k = 1; k < items.size(); ++k) together += items[k] + gap;
+    if (together > columns_ && titled) together = items[1] + gap + items[2];
     const int most = mostLines_;
     std::vector<Place> places;
     int x = 0, line = 0;
@@ -161,7 +163,7 @@ std::vector<Caption::Place> Caption::flow(int bar, int& lines) const {
         if (next) x = 0, ++line;
         places.push_back({x, line});
         lines = line + 1;
-        x += item + kItemGap;
+        x += item + (k == 0 ? kItemGap : gap);
     }
     if (titled && places[2].x < 0) places[1].x = -1;
     return places;

@@ -52,10 +52,10 @@ std::string titleOf(const std::string& column) {
     return column;
 }
 
-/// Whole numbers in full, others in three digits.
+/// Three digits, and all digits before the point.
 std::string shortNumber(double value) {
-    const bool whole = value == std::floor(value) && std::fabs(value) < 1e7;
-    return whole ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
+    const double size = std::fabs(value);
+    return fmt::format(size >= 100 && size < 1e7 ? "{:.0f}" : "{:.3g}", value);
 }
 
 /// Colors from dark to light.
