@@ -150,11 +150,13 @@ TEST_CASE("NIfTI: the sform counts, and a qform elsewhere is reported") {
     Image image;
     CHECK_THAT(warningsOf(folder.file("both.nii"), &image).at(0), Contains("qform"));
     checkSame(image, made, 1e-3);
+    CHECK(image.isSided);
     const std::int16_t none = 0;
     for (const std::size_t at : {252u, 254u})
         header.replace(at, 2, reinterpret_cast<const char*>(&none), 2);
     writeBytes(folder.file("none.nii"), header + bytesOfValues(made.values));
-    CHECK_THAT(warningsOf(folder.file("none.nii")).at(0), Contains("unknown"));
+    CHECK_THAT(warningsOf(folder.file("none.nii"), &image).at(0), Contains("unknown"));
+    CHECK_FALSE(image.isSided);
 }
 
 TEST_CASE("NIfTI: distances that are no positive numbers count as not stated") {

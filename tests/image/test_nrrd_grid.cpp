@@ -15,6 +15,7 @@ struct Placed {
     ImageGrid grid;
     double unit = 0;
     std::vector<std::string> warnings;
+    bool isSided = false;
 };
 
 Placed placed(const std::string& lines, std::size_t dimensions = 3) {
@@ -22,6 +23,7 @@ Placed placed(const std::string& lines, std::size_t dimensions = 3) {
     Callbacks callbacks;
     callbacks.warning = [&](const std::string& text) { result.warnings.push_back(text); };
     result.grid = nrrdGrid(headerOf(lines), dimensions, "a", callbacks, result.unit);
+    result.isSided = namesSides(headerOf(lines));
     return result;
 }
 
@@ -64,6 +66,7 @@ TEST_CASE("NRRD: spaces of patients are turned to LPS, others are reported") {
     CHECK(image.grid.step[1] == Vec<3>{{0, 3 * space.signs[1], 0}});
     CHECK(image.grid.step[2] == Vec<3>{{0, 0, 4}});
     CHECK(image.warnings.size() == (space.known ? 0 : 1));
+    CHECK(image.isSided == space.known);
     if (!space.known) CHECK_THAT(image.warnings.front(), Contains("left is unknown"));
 }
 

@@ -60,6 +60,7 @@ TEST_CASE("slices of a stack are in the order of their numbers") {
     for (const char* which : {"", "s*.tif"}) {
         const Image image = readImage(folder.file(which), spaced());
         REQUIRE(image.grid.size == std::array<std::size_t, 3>{2, 2, 12});
+        CHECK_FALSE(image.isSided);
         CHECK(image.grid.step[2] == Vec<3>{{0, 0, 2}});
         for (std::size_t k = 0; k < 12; ++k)
             CHECK(std::to_integer<int>(image.bytes[4 * k]) == static_cast<int>(k) + 1);

@@ -96,11 +96,21 @@ TEST_CASE("texts of preview options are parsed, or refused with the expected for
         CAPTURE(bad);
         CHECK_THROWS_WITH(parsePreviewCut(bad), Contains("x=V"));
     }
+    CHECK(parsePreviewView("left").from == Vec<3>{{1, 0, 0}});
+    CHECK(parsePreviewView("left").ofPatient);
+    CHECK(parsePreviewView("1,-2,0.5").from == Vec<3>{{1, -2, 0.5}});
+    CHECK(!parsePreviewView("1,-2,0.5").ofPatient);
+    for (const char* bad : {"", "Front", "1,2", "1,2,3,4", "0,0,0", "1,2,nan", "1,2,x"}) {
+        CAPTURE(bad);
+        CHECK_THROWS_WITH(parsePreviewView(bad), Contains("front, back"));
+    }
     CHECK(parsePreviewSize("640x480") == std::array<int, 2>{640, 480});
-    for (const char* bad : {"", "640", "640x", "x480", "640x480x", "640 x 480", "1e3x10"}) {
+    CHECK(parsePreviewSize("640") == std::array<int, 2>{640, 0});
+    for (const char* bad :
+         {"", "640,480", "640x", "640x0", "x480", "640x480x", "640 x 480", "1e3x10"}) {
         CAPTURE(bad);
         CHECK_THROWS_WITH(parsePreviewSize(bad), Contains("1600x1200"));
     }
-    for (const char* bad : {"0x100", "15x100", "100x20000", "-100x100"})
+    for (const char* bad : {"0x100", "15x100", "100x20000", "-100x100", "10", "0", "20000"})
         CHECK_THROWS_AS(parsePreviewSize(bad), ParameterError);
 }

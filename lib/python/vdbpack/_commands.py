@@ -53,7 +53,7 @@ def _given(command: str, options: Mapping[str, Any], folder: str) -> Tuple[List[
         elif name == "preview" and value is True:
             given.append((name, os.path.join(folder, "preview.png")))
             if options.get("preview_size") is None:  # as notebooks show it
-                given.append(("preview_size", "480x480"))
+                given.append(("preview_size", "480"))
         elif value is True:
             given.append((name, None))
         elif isinstance(value, Table):

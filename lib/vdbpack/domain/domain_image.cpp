@@ -122,10 +122,11 @@ Image readGreyImage(const std::string& file, const DomainRecipe& domain,
 }
 
 TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
-                       std::optional<ImageGrid>& grid, bool& spaced) {
+                       std::optional<ImageGrid>& grid, bool& spaced, bool& sided) {
     const Image image = readDomainImage(recipe, callbacks);
     grid = image.grid;
     spaced = image.isSpaced;
+    sided = image.isSided;
     callbacks.stopIfCancelled();
     if (recipe.threshold) {
         if (!recipe.label.empty())

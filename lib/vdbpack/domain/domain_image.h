@@ -42,7 +42,8 @@ void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::strin
 /// @throws ParameterError if it selects nothing that there is, or several parts; else as
 /// `readImage`.
 /// @param grid    of the image. @param spaced  whether its file states distances of voxels.
+/// @param sided   as `Image::isSided`.
 TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
-                       std::optional<ImageGrid>& grid, bool& spaced);
+                       std::optional<ImageGrid>& grid, bool& spaced, bool& sided);
 
 }  // namespace vdbpack

@@ -156,7 +156,7 @@ void DomainSource::takeSurface(const Callbacks& callbacks) {
         // What is moved is the contour alone.
         if (recipe_.pose.any()) levelSet_ = nullptr;
     } else {
-        mesh_ = isImage(recipe_) ? imageMesh(recipe_, callbacks, imageGrid_, spaced_)
+        mesh_ = isImage(recipe_) ? imageMesh(recipe_, callbacks, imageGrid_, spaced_, sided_)
                                  : readDomainMesh(recipe_, callbacks, repair_);
     }
     if (isFile && !levelSet_ && !isImage(recipe_)) warnOfLostDigits(*mesh_, recipe_, callbacks);

@@ -80,11 +80,14 @@ public:
     /// Of the image that the domain comes from, mm; nothing: it is none.
     const std::optional<ImageGrid>& imageGrid() const { return imageGrid_; }
     /// @param spaced  whether that image states the distances of its voxels.
-    void setImageGrid(const ImageGrid& grid, bool spaced) {
+    /// @param sided  whether it says which sides of a patient its axes point to.
+    void setImageGrid(const ImageGrid& grid, bool spaced, bool sided) {
         imageGrid_ = grid;
         spaced_ = spaced;
+        sided_ = sided;
     }
     bool isSpaced() const { return spaced_; }  ///< whether that image does
+    bool isSided() const { return sided_; }    ///< the same; false: it comes from no image
     /// Around a domain of space; for a file, without its clips.
     Box<3> domainBounds() const { return space_ ? space_->bounds() : fileBounds_; }
 
@@ -135,7 +138,7 @@ private:
     std::optional<TriangleMesh> mesh_;  ///< of a file, level sets contoured
     bool sound_ = false;                ///< `mesh_` needs no checks
     std::optional<ImageGrid> imageGrid_;
-    bool spaced_ = false;
+    bool spaced_ = false, sided_ = false;
     std::shared_ptr<const RepairReport> repair_;
     std::shared_ptr<const VdbGrid> levelSet_;  ///< what `mesh_` is the contour of; null: a mesh
     std::shared_ptr<const Domain<3>> space_;   ///< of a shape

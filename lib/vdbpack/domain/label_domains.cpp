@@ -45,7 +45,7 @@ DomainSource LabelledImage::source(const DomainRecipe& domain, std::size_t part,
     warnOfVolume(surfaces_[part], image_.grid, one.voxels(), path_ + ": label " + one.name,
                  callbacks);
     DomainSource made(domain, std::move(surfaces_[part]), callbacks);
-    made.setImageGrid(image_.grid, image_.isSpaced);
+    made.setImageGrid(image_.grid, image_.isSpaced, image_.isSided);
     return made;
 }
 

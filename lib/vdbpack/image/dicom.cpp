@@ -221,6 +221,7 @@ Image readDicom(const std::string& path, const ImageReadOptions& options) {
     }
     image.format = "DICOM";
     image.isSpaced = isSpaced;
+    image.isSided = first.oriented;
     return image;
 }
 

@@ -201,6 +201,7 @@ Image readSegments(const std::string& path, const std::vector<DicomSlice>& frame
             name.layer = at->second;
     image.format = "DICOM segmentation";
     image.isSpaced = isSpaced;
+    image.isSided = frames.front().oriented;
     return image;
 }
 

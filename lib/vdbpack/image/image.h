@@ -39,7 +39,9 @@ struct Image {
     std::vector<LabelName> names;     ///< empty: the file has none
     std::string format;               ///< such as "NIfTI"
     bool isSpaced = true;             ///< the file states the distances of its voxels
-    double unit = 0;                  ///< mm, of the unit that the file states; 0: it states none
+    /// The file says which sides of a patient its axes point to; else they are taken as LPS.
+    bool isSided = true;
+    double unit = 0;  ///< mm, of the unit that the file states; 0: it states none
 
     std::size_t values() const { return grid.voxels() * layers; }
     /// What a number of the file stands for.

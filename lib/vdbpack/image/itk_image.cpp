@@ -185,6 +185,7 @@ Image readByItk(const std::string& path, const ImageReadOptions& options) {
     readVoxels(*io, path, grid.voxels(), image.bytes.get());
     image.names = labelNames(header);
     image.isSpaced = spaced;
+    image.isSided = !tiff && namesSides(header);
     image.unit = unit;
     image.format = tiff ? "TIFF" : "NRRD";
     return image;
@@ -225,6 +226,7 @@ Image readTiffStack(const std::vector<std::string>& files, const ImageReadOption
     }
     image.format = "TIFF";
     image.isSpaced = spaced;
+    image.isSided = false;
     return image;
 }
 

@@ -142,6 +142,7 @@ Image readMasks(const std::vector<std::string>& files, const std::string& folder
     image.names = std::move(names);
     image.format = fmt::format("{} masks, {}", files.size(), first.format);
     image.isSpaced = first.isSpaced;
+    image.isSided = first.isSided;
     image.unit = first.unit;
     return image;
 }

@@ -143,6 +143,7 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
     }
     image.names = labelNames(*nifti);
     image.isSpaced = spaced;
+    image.isSided = nifti->sform_code > 0 || nifti->qform_code > 0;
     image.unit = stated;
     image.format = nifti->nifti_type == NIFTI_FTYPE_ANALYZE ? "Analyze" : "NIfTI";
     return image;

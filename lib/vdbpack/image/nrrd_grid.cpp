@@ -113,6 +113,10 @@ bool setPlainAxis(ImageGrid& grid, const NrrdFields& fields, std::size_t d) {
 
 }  // namespace
 
+bool namesSides(const TextHeader& header) {
+    return turnOf(header.value("space")).has_value();
+}
+
 ImageGrid nrrdGrid(const TextHeader& header, std::size_t dimensions, const std::string& path,
                    const Callbacks& callbacks, double& unit) {
     ImageGrid grid;

@@ -20,4 +20,7 @@ namespace vdbpack {
 ImageGrid nrrdGrid(const TextHeader& header, std::size_t dimensions, const std::string& path,
                    const Callbacks& callbacks, double& unit);
 
+/// Whether a header says which sides of a patient its axes point to.
+bool namesSides(const TextHeader& header);
+
 }  // namespace vdbpack

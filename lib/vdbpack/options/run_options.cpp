@@ -252,7 +252,14 @@ void previewOptions(OptionList& rows, PreviewOptions& preview) {
         .naming(FileIn::whole)
         .offPage();
     cutAndColor(rows, preview);
-    rows.custom("preview-size", "WxH [1600x1200]", "width and height in pixels",
+    rows.custom("preview-view", "SIDE|X,Y,Z",
+                "side from which the picture is seen: front, back, left or right of the patient, "
+                "top, bottom, or the direction X,Y,Z; a cut keeps what is farther away",
+                [&preview](const std::string& text) { preview.view = parsePreviewView(text); })
+        .as("preview.view")
+        .of(OptionKind::numbers);
+    rows.custom("preview-size", "WxH|N [1600]",
+                "width and height in pixels, or the longer side of a picture fitted to the bone",
                 [&preview](const std::string& text) {
                     const auto size = parsePreviewSize(text);
                     preview.width = size[0];

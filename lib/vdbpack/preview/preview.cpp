@@ -2,12 +2,14 @@
 #include "vdbpack/preview/preview.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 namespace vdbpack {
 
@@ -34,21 +36,40 @@ PreviewCut parsePreviewCut(const std::string& text) {
     return cut;
 }
 
+PreviewView parsePreviewView(const std::string& text) {
+    static const std::map<std::string, Vec<3>> sides{
+        {"front", {{0, -1, 0}}}, {"back", {{0, 1, 0}}}, {"left", {{1, 0, 0}}},
+        {"right", {{-1, 0, 0}}}, {"top", {{0, 0, 1}}},  {"bottom", {{0, 0, -1}}}};
+    if (const auto side = sides.find(text); side != sides.end()) return {side->second, true};
+    const auto numbers = parseNumberList(text);
+    PreviewView view;
+    if (numbers && numbers->size() == 3) std::copy_n(numbers->begin(), 3, view.from.c.begin());
+    if (!isFinite(view.from) || !(length(view.from) > 0))
+        malformed("`preview.view`", text,
+                  "front, back, left, right, top, bottom, or the direction X,Y,Z to the viewer, "
+                  "like 1,-1,0.5");
+    return view;
+}
+
 std::array<int, 2> parsePreviewSize(const std::string& text) {
-    const char* form = "WxH in pixels, like 1600x1200";
+    const char* form = "WxH in pixels, like 1600x1200, or the longer side alone, like 1600";
     std::array<int, 2> size{};
     const char* const end = text.data() + text.size();
     const auto [cross, noWidth] = std::from_chars(text.data(), end, size[0]);
-    if (noWidth != std::errc() || cross == end || *cross != 'x')
+    if (noWidth != std::errc() || (cross != end && *cross != 'x'))
         malformed("`preview.width`", text, form);
-    const auto [next, noHeight] = std::from_chars(cross + 1, end, size[1]);
-    if (noHeight != std::errc() || next != end) malformed("`preview.width`", text, form);
+    if (cross != end) {
+        const auto [next, noHeight] = std::from_chars(cross + 1, end, size[1]);
+        if (noHeight != std::errc() || next != end || size[1] == 0)
+            malformed("`preview.width`", text, form);
+    }
     checkPreviewSize(size[0], size[1]);
     return size;
 }
 
 void checkPreviewSize(int width, int height) {
-    if (std::min(width, height) < kSmallest || std::max(width, height) > kLargest)
+    const int other = height == 0 ? width : height;
+    if (std::min(width, other) < kSmallest || std::max(width, other) > kLargest)
         throw ParameterError(
             fmt::format("`preview.width` {}x{}: width and height must be {} to {} pixels", width,
                         height, kSmallest, kLargest));

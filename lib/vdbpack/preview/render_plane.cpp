@@ -2,7 +2,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/progress.h"
-#include "vdbpack/preview/scale_bar.h"
 #include "vdbpack/preview/scene.h"
 #include "vdbpack/preview/section.h"
 #include "vdbpack/preview/sphere_colors.h"
@@ -20,8 +19,6 @@ namespace {
 
 constexpr int kSide = 4;  // samples along a side of a pixel
 constexpr double kPlaneMargin = 0.02;
-/// Space below for the scale bar, share of the height.
-constexpr double kFoot = 0.05;
 constexpr double kOutline = 1.2;            // half width, pixels
 constexpr double kCircleRim = 0.9;          // width of a circle's rim, pixels
 constexpr double kLargestCircleRim = 0.12;  // the same at most, share of the radius
@@ -73,25 +70,24 @@ PlaneDiscs discsOf(const Pack<2>* pack) {
 
 Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
     checkPreviewSize(options.width, options.height);
-    if (options.cut) throw ParameterError("`preview.cut`: a plane cannot be cut; leave it out");
+    refuseInPlane(options);
     const Box<2> bounds = boundsOf(scene);
     if (scene.field) checkField(*scene.field);
     SphereColors colors;
-    if (scene.pack) colors = sphereColors(*scene.pack, options.color, options.column);
+    if (scene.pack) colors = sphereColors(*scene.pack, options);
 
-    Picture image;
-    image.width = options.width;
-    image.height = options.height;
-    image.pixels.assign(
-        3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height), 255);
     const Vec<2> size = bounds.size();
-    const double pixel =
-        std::max({size[0] / (options.width * (1 - 2 * kPlaneMargin)),
-                  size[1] / (options.height * (1 - 2 * kPlaneMargin - kFoot)), 1e-300});
+    PreviewCamera above;
+    above.right[0] = above.up[1] = above.toward[2] = 1;
+    const Caption caption = captionFor(colors.legend, seenSides(above, 2, options), options,
+                                       size[0] / std::max(size[1], 1e-300));
+    const int width = caption.width(), height = caption.sceneHeight();
+    const double pixel = std::max({size[0] / (width * (1 - 2 * kPlaneMargin)),
+                                   size[1] / (height * (1 - 2 * kPlaneMargin)), 1e-300});
     const Vec<2> middle = bounds.center();
     const auto pointAt = [&](double x, double y) {
-        return Vec<2>{{middle[0] + (x - 0.5 * options.width) * pixel,
-                       middle[1] - (y - 0.5 * (1 - kFoot) * options.height) * pixel}};
+        return Vec<2>{
+            {middle[0] + (x - 0.5 * width) * pixel, middle[1] - (y - 0.5 * height) * pixel}};
     };
 
     const PlaneDiscs discs = discsOf(scene.pack);
@@ -111,9 +107,10 @@ Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) 
         return colors.color[i] * (found.rim < rim ? kCircleShade : 1);
     };
     StopRequest request(options.cancelled);
-    parallelFor(0, image.height, [&](int y) {
+    Picture image = caption.drawn(pixel);
+    parallelFor(0, height, [&](int y) {
         request.stop();
-        for (int x = 0; x < image.width; ++x) {
+        for (int x = 0; x < width; ++x) {
             Color sum;
             for (int j = 0; j < kSide; ++j)
                 for (int i = 0; i < kSide; ++i)
@@ -121,12 +118,8 @@ Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) 
             toSrgb(sum * (1.0f / (kSide * kSide)), image.pixel(x, y));
         }
     });
-    const ScaleBar bar = scaleBarFor(pixel, image.width);
-    drawScaleBar(bar, pixel, image);
     describe(scene.pack ? groupedCount(scene.pack->spheres.size()) + " circles" : "a solid",
-             fmt::format("{}{}scale bar {:g} mm in {} parts", colors.words,
-                         colors.words.empty() ? "" : "; ", bar.length, bar.parts),
-             image);
+             caption.words(pixel, {}), image);
     return image;
 }
 

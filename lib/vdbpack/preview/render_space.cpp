@@ -3,7 +3,7 @@
 #include "vdbpack/core/lanes.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/progress.h"
-#include "vdbpack/preview/scale_bar.h"
+#include "vdbpack/preview/scene.h"
 #include "vdbpack/preview/space_tracer.h"
 #include "vdbpack/preview/sphere_colors.h"
 
@@ -81,10 +81,11 @@ private:
 };
 
 void drawTile(const SpaceTracer& tracer, int x0, int y0, Picture& image) {
-    const int x1 = std::min(x0 + kTile, image.width), y1 = std::min(y0 + kTile, image.height);
+    const int width = tracer.camera().width, height = tracer.camera().height;
+    const int x1 = std::min(x0 + kTile, width), y1 = std::min(y0 + kTile, height);
     const int left = std::max(0, x0 - kApron), top = std::max(0, y0 - kApron);
-    const int columns = std::min(image.width, x1 + kApron) - left;
-    const int rows = std::min(image.height, y1 + kApron) - top;
+    const int columns = std::min(width, x1 + kApron) - left;
+    const int rows = std::min(height, y1 + kApron) - top;
     std::vector<Sample> samples(static_cast<std::size_t>(columns * rows) * kSamples);
     TileLight light(columns, rows);
     std::size_t next = 0;
@@ -126,53 +127,48 @@ bool canDrawSpace() {
     return true;
 }
 
-std::vector<std::int32_t> visibleSpheres(const SpacePreview& scene, const PreviewOptions& options) {
+std::vector<std::int32_t> visibleSpheres(const SpacePreview& scene, const PreviewOptions& asked) {
+    const PreviewOptions options = facingCut(asked);
+    const PreviewCamera camera = previewCamera(scene, options);
     SpacePreview spheres = scene;
     spheres.wall = spheres.solid = nullptr;
     StopRequest request(options.cancelled);
-    const SpaceTracer tracer(spheres, options, request);
-    std::vector<std::int32_t> seen(static_cast<std::size_t>(options.width) *
-                                   static_cast<std::size_t>(options.height));
-    parallelFor(0, options.height, [&](int y) {
-        for (int x = 0; x < options.width; ++x)
-            seen[static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) +
+    const SpaceTracer tracer(spheres, options, camera, request);
+    std::vector<std::int32_t> seen(static_cast<std::size_t>(camera.width) *
+                                   static_cast<std::size_t>(camera.height));
+    parallelFor(0, camera.height, [&](int y) {
+        for (int x = 0; x < camera.width; ++x)
+            seen[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) +
                  static_cast<std::size_t>(x)] = tracer.sphereAt(x + 0.5, y + 0.5);
     });
     return seen;
 }
 
-Picture renderPreview(const SpacePreview& scene, const PreviewOptions& options) {
+Picture renderPreview(const SpacePreview& scene, const PreviewOptions& asked) {
     try {
+        const PreviewOptions options = facingCut(asked);
         checkScene(scene, options);
         SphereColors colors;
-        if (scene.pack) colors = sphereColors(*scene.pack, options.color, options.column);
+        if (scene.pack) colors = sphereColors(*scene.pack, options);
+        const auto [camera, caption] = frameOf(scene, options, colors.legend);
         StopRequest request(options.cancelled);
-        SpaceTracer tracer(scene, options, request);
+        SpaceTracer tracer(scene, options, camera, request);
         tracer.colorBy(std::move(colors.color));
-        Picture image;
-        image.width = options.width;
-        image.height = options.height;
-        image.pixels.resize(3 * static_cast<std::size_t>(image.width) *
-                            static_cast<std::size_t>(image.height));
-        const int columns = (image.width + kTile - 1) / kTile;
-        const int rows = (image.height + kTile - 1) / kTile;
+        Picture image = caption.drawn(tracer.mmPerPixel());
+        const int columns = (camera.width + kTile - 1) / kTile;
+        const int rows = (camera.height + kTile - 1) / kTile;
         parallelFor(0, columns * rows, [&](int tile) {
             request.stop();
             drawTile(tracer, tile % columns * kTile, tile / columns * kTile, image);
         });
-        const ScaleBar bar = scaleBarFor(tracer.mmPerPixel(), image.width);
-        drawScaleBar(bar, tracer.mmPerPixel(), image);
-        std::string words = colors.words;
-        const auto add = [&](const std::string& more) {
-            words += (words.empty() ? "" : "; ") + more;
-        };
+        std::vector<std::string> words;
         if (options.cut)
-            add(fmt::format("cut at {0} = {1:g} mm, {2} {0} stays", "xyz"[options.cut->axis],
-                            options.cut->at, keptSide(*options.cut) > 0 ? "higher" : "lower"));
-        const Float3 from = single(tracer.camera().toward);
-        add(fmt::format("seen from ({:.2f}, {:.2f}, {:.2f})", from.x, from.y, from.z));
-        add(fmt::format("scale bar {:g} mm in {} parts", bar.length, bar.parts));
-        describe(titleOf(scene), words, image);
+            words.push_back(fmt::format("cut at {0} = {1:g} mm, {2} {0} stays",
+                                        "xyz"[options.cut->axis], options.cut->at,
+                                        keptSide(*options.cut) > 0 ? "higher" : "lower"));
+        const Float3 from = single(camera.toward);
+        words.push_back(fmt::format("seen from ({:.2f}, {:.2f}, {:.2f})", from.x, from.y, from.z));
+        describe(titleOf(scene), caption.words(tracer.mmPerPixel(), words), image);
         return image;
     } catch (const std::bad_alloc&) {
         throw ResourceError(

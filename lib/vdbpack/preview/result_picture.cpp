@@ -6,6 +6,7 @@
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/preview/drawn_wall.h"
+#include "vdbpack/preview/scene.h"
 #include "vdbpack/report/report.h"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace vdbpack {
 
 namespace {
 
-constexpr int kPageWidth = 960, kPageHeight = 720;
+constexpr int kPageWidth = 960;  // or the height, of what is higher than wide
 
 Picture draw(const PreviewOptions& options, const DomainSource& source,
              const DomainSource::Built& built, const MadeVoids<3>& made, const Pack<3>* pack,
@@ -43,6 +44,13 @@ Picture draw(const PreviewOptions& options, const DomainSource&, const DomainSou
     return renderPreview(scene, options);
 }
 
+/// The options with the axes of the world of a domain.
+PreviewOptions inWorldOf(const DomainSource& source, PreviewOptions options) {
+    options.space = source.recipe().space;
+    options.ofPatient = source.isSided();
+    return options;
+}
+
 /// Encodes a picture, and writes it if it has a file.
 PagePicture finished(Picture image, const PreviewOptions& recipe, const std::string& source) {
     PagePicture picture;
@@ -68,9 +76,13 @@ void checkPreview(const PreviewOptions& recipe, const std::string& reportFile) {
     const std::string& file = recipe.file;
     if (!file.empty() && extensionOf(file) != ".png")
         throw ParameterError("`preview.file` " + file + ": pictures are PNG; name it .png");
-    const bool asked = recipe.cut || recipe.color != PreviewColor::radius;
+    facingCut(recipe);
+    const char* const asked = recipe.cut                             ? "`preview.cut`"
+                              : recipe.view                          ? "`preview.view`"
+                              : recipe.color != PreviewColor::radius ? "`preview.color`"
+                                                                     : nullptr;
     if (asked && file.empty() && !isPage(reportFile))
-        throw ParameterError(std::string(recipe.cut ? "`preview.cut`" : "`preview.color`") +
+        throw ParameterError(std::string(asked) +
                              " has no effect without a picture; add `preview.file` FILE.png or "
                              "`reportFile` FILE.html");
 }
@@ -79,12 +91,10 @@ template <int Dim>
 void checkPreview(const PreviewOptions& recipe, const Domain<Dim>& domain, const Pack<Dim>* pack) {
     if (Dim == 3 && !recipe.file.empty() && !canDrawSpace())
         renderPreview(SpacePreview{}, PreviewOptions{});  // throws, with what to install
-    if (recipe.cut) {
-        if constexpr (Dim == 2)
-            throw ParameterError("`preview.cut`: a plane is flat already; leave it out");
-        else
-            checkPreviewCut(*recipe.cut, domain.bounds());
-    }
+    if constexpr (Dim == 2)
+        refuseInPlane(recipe);
+    else if (recipe.cut)
+        checkPreviewCut(*recipe.cut, domain.bounds());
     if (pack && recipe.color == PreviewColor::order && pack->order.size() != pack->spheres.size())
         throw ParameterError(
             "`preview.color` order: the pack has no order of placement; color by radius");
@@ -106,9 +116,10 @@ PagePicture drawPreview(const PreviewOptions& recipe, const std::string& reportF
     }
     if (recipe.file.empty()) {
         options.width = kPageWidth;
-        options.height = kPageHeight;
+        options.height = 0;
     }
-    return finished(draw(options, source, built, made, pack, wall), recipe, source.recipe().source);
+    return finished(draw(inWorldOf(source, options), source, built, made, pack, wall), recipe,
+                    source.recipe().source);
 }
 
 template <int Dim>
@@ -120,11 +131,12 @@ PagePicture drawPack(const PreviewOptions& recipe, const std::string& name, cons
     if (recipe.file.empty()) {
         if (Dim == 3 && !canDrawSpace()) return {};
         options.width = kPageWidth;
-        options.height = kPageHeight;
+        options.height = 0;
     }
     if (source)
-        return finished(draw(options, *source, built, MadeVoids<Dim>{}, &pack, nullptr), recipe,
-                        name);
+        return finished(
+            draw(inWorldOf(*source, options), *source, built, MadeVoids<Dim>{}, &pack, nullptr),
+            recipe, name);
     std::conditional_t<Dim == 3, SpacePreview, PlanePreview> scene;
     scene.pack = &pack;
     return finished(renderPreview(scene, options), recipe, name);

@@ -1,6 +1,5 @@
 #include "vdbpack/preview/scale_bar.h"
 
-#include "vdbpack/preview/bitmap_text.h"
 #include "vdbpack/preview/sphere_colors.h"
 
 #include <fmt/format.h>
@@ -11,6 +10,10 @@
 
 namespace vdbpack {
 
+std::string ScaleBar::words() const {
+    return length > 0 ? fmt::format("{:g} mm", length) : "";
+}
+
 ScaleBar scaleBarFor(double mmPerPixel, int width) {
     const double limit = 0.25 * width * mmPerPixel;
     if (!(limit > 0) || !std::isfinite(limit)) return {};
@@ -20,34 +23,21 @@ ScaleBar scaleBarFor(double mmPerPixel, int width) {
     return {ten, 10};
 }
 
-void drawScaleBar(const ScaleBar& bar, double mmPerPixel, Picture& image) {
-    if (!(bar.length > 0)) return;
-    const double pixels = bar.length / mmPerPixel;
-    const int thick = std::max(2, image.height / 150), margin = std::max(3, image.height / 40);
-    const int y1 = image.height - margin, y0 = y1 - thick;
+void drawScaleBar(const ScaleBar& bar, double pixels, int left, int top, int bottom,
+                  Picture& image) {
     std::uint8_t ink[3];
     toSrgb(inkColor(), ink);
-    const auto paint = [&](int x, int y, float share, bool dark) {
-        if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
-        for (int c = 0; c < 3; ++c) {
-            std::uint8_t& to = image.pixel(x, y)[c];
-            const float color = dark ? ink[c] : 255;
-            to = static_cast<std::uint8_t>(to + share * (color - to) + 0.5f);
-        }
-    };
-    for (int x = margin; x < margin + pixels + 1; ++x) {
+    for (int x = 0; x < pixels && left + x < image.width; ++x) {
         // The end may lie within a pixel; the parts are dark and white in turn, with a dark frame.
-        const double left = x - margin, inside = std::clamp(pixels - left, 0.0, 1.0);
-        const auto part = static_cast<int>((left + 0.5) / pixels * bar.parts);
-        const bool end = x == margin || left + 1 >= pixels;
-        for (int y = y0; y < y1; ++y)
-            paint(x, y, static_cast<float>(inside), end || y == y0 || y + 1 == y1 || part % 2 == 0);
+        const auto inside = static_cast<float>(std::min(pixels - x, 1.0));
+        const auto part = static_cast<int>((x + 0.5) / pixels * bar.parts);
+        const bool end = x == 0 || x + 1 >= pixels;
+        for (int y = top; y < bottom; ++y)
+            if (end || y == top || y + 1 == bottom || part % 2 == 0)
+                for (int c = 0; c < 3; ++c)
+                    image.pixel(left + x, y)[c] =
+                        static_cast<std::uint8_t>(255 + inside * (ink[c] - 255.0f) + 0.5f);
     }
-    constexpr int kDotsBetween = 4;
-    const int dot = std::max(1, image.height / 250);
-    drawText(fmt::format("{:g} mm", bar.length),
-             margin + static_cast<int>(std::ceil(pixels)) + kDotsBetween * dot, y1, dot, ink,
-             image);
 }
 
 }  // namespace vdbpack

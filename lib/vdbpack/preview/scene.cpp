@@ -27,6 +27,12 @@ Box<Dim> boundsOf(const Pack<Dim>& pack) {
 template Box<2> boundsOf(const Pack<2>&);
 template Box<3> boundsOf(const Pack<3>&);
 
+void refuseInPlane(const PreviewOptions& options) {
+    if (options.cut) throw ParameterError("`preview.cut`: a plane is flat already; leave it out");
+    if (options.view)
+        throw ParameterError("`preview.view`: a plane is drawn from above; leave it out");
+}
+
 Box<3> checkScene(const SpacePreview& scene, const PreviewOptions& options) {
     checkPreviewSize(options.width, options.height);
     Box<3> bounds;

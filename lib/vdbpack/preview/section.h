@@ -60,7 +60,7 @@ PlaneLines sectionOf(const TriangleMesh& mesh, const PreviewCut& cut, double rea
 
 /// 1 if a cut keeps the side of higher coordinates, otherwise -1.
 inline double keptSide(const PreviewCut& cut) {
-    return cut.axis == 1 ? 1.0 : -1.0;
+    return cut.keeps != 0 ? cut.keeps : cut.axis == 1 ? 1 : -1;
 }
 /// Depth of a point below the cut face, mm; negative on the side that is removed.
 inline double keptDepth(const PreviewCut& cut, const Vec<3>& x) {

@@ -40,11 +40,11 @@ constexpr std::array<std::uint32_t, 16> kSquare{0, 8,  2, 10, 12, 4, 14, 6,
 }  // namespace
 
 SpaceTracer::SpaceTracer(const SpacePreview& scene, const PreviewOptions& options,
-                         StopRequest& request)
+                         const PreviewCamera& camera, StopRequest& request)
     : scene_(scene),
       options_(options),
       local_(checkScene(scene, options)),
-      camera_(previewCamera(scene, options)),
+      camera_(camera),
       bodies_(device_),
       walls_(device_),
       ambient_(2 * kAmbientShare) {
@@ -54,7 +54,7 @@ SpaceTracer::SpaceTracer(const SpacePreview& scene, const PreviewOptions& option
     toward_ = single(camera_.toward);
     lamp_ = normalized(right_ * -0.5f + up_ * 0.75f + toward_ * 0.75f);
     basis(lamp_, lampS_, lampT_);
-    pixel_ = 2 * camera_.tanX / options.width;
+    pixel_ = 2 * camera_.tanX / camera_.width;
     if (scene.pack) {
         addSpheres(*scene.pack);
         bodies_.addSpheres(spheres_);
@@ -91,7 +91,7 @@ inline float SpaceTracer::freeWay(const Float3& from, const Float3& along) const
 }
 
 inline Vec<3> SpaceTracer::directionAt(double x, double y) const {
-    return camera_.direction(2 * x / options_.width - 1, 2 * y / options_.height - 1);
+    return camera_.direction(2 * x / camera_.width - 1, 2 * y / camera_.height - 1);
 }
 
 inline SpaceTracer::Start SpaceTracer::startOf(const Vec<3>& direction) const {

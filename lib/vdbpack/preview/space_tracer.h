@@ -33,7 +33,9 @@ struct Sample {
 
 class SpaceTracer {
 public:
-    SpaceTracer(const SpacePreview& scene, const PreviewOptions& options, StopRequest& request);
+    /// @param options  as `facingCut` returns them.
+    SpaceTracer(const SpacePreview& scene, const PreviewOptions& options,
+                const PreviewCamera& camera, StopRequest& request);
 
     const PreviewCamera& camera() const { return camera_; }
     double mmPerPixel() const { return pixel_ * camera_.target; }

@@ -1,6 +1,8 @@
 #include "vdbpack/preview/sphere_colors.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 
@@ -9,19 +11,85 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 namespace vdbpack {
 
 namespace {
 
 template <int Dim>
-const std::vector<double>& numbersOf(const Pack<Dim>& pack, const std::string& name) {
-    for (const Column& column : pack.columns)
-        if (column.name == name && column.numbers.size() == pack.spheres.size())
-            return column.numbers;
+const Column& columnNamed(const Pack<Dim>& pack, const std::string& name) {
+    const Column* const column = columnOfNumbers(pack, name.c_str());
+    if (column && column->numbers.size() == pack.spheres.size()) return *column;
     throw ParameterError("`preview.color` " + name +
                          ": there is no such column of numbers; color by radius, region, depth, "
                          "order or a column of the pack");
+}
+
+/// A color for each kind; the legend lists the kinds that occur.
+/// @param kind  the kind of sphere i, from 0.
+template <class Kind>
+SphereColors colorsOfKinds(std::size_t n, const Kind& kind, const std::vector<std::uint32_t>& rgb,
+                           const std::vector<std::string>& names) {
+    std::vector<Legend::Kind> kinds;
+    for (std::size_t k = 0; k < rgb.size(); ++k) kinds.push_back({names[k], fromSrgb(rgb[k])});
+    std::vector<bool> occurs(rgb.size());
+    SphereColors colors;
+    colors.color.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        occurs[kind(i)] = true;
+        colors.color.push_back(kinds[kind(i)].color);
+    }
+    for (std::size_t k = 0; k < rgb.size(); ++k)
+        if (occurs[k]) colors.legend.kinds.push_back(kinds[k]);
+    return colors;
+}
+
+/// The name of a column with the unit in it set off: "density, kg/m3" of "density_kg_m3".
+std::string titleOf(const std::string& column) {
+    for (const auto& [end, unit] : {std::pair("_kg_m3", ", kg/m3"), std::pair("_MPa", ", MPa")})
+        if (endsWith(column, end)) return column.substr(0, column.rfind(end)) + unit;
+    return column;
+}
+
+/// Three digits, and all digits before the point.
+std::string shortNumber(double value) {
+    const double size = std::fabs(value);
+    return fmt::format(size >= 100 && size < 1e7 ? "{:.0f}" : "{:.3g}", value);
+}
+
+/// Colors from dark to light.
+/// @param value  of sphere i. @param unit  empty: it is a number, or part of the name.
+template <class Value>
+SphereColors colorsOfRamp(std::size_t n, const Value& value, const std::string& name,
+                          const std::string& unit) {
+    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+    for (std::size_t i = 0; i < n; ++i)
+        if (std::isfinite(value(i))) {
+            lo = std::min(lo, value(i));
+            hi = std::max(hi, value(i));
+        }
+    if (!(lo <= hi)) lo = hi = 0;
+    // All values are equal up to rounding: the middle of the ramp.
+    const bool one = !(hi - lo > 1e-9 * std::fabs(hi));
+    SphereColors colors;
+    colors.color.resize(n);
+    for (std::size_t i = 0; i < n; ++i)
+        colors.color[i] = rampColor(one                       ? 0.5
+                                    : std::isfinite(value(i)) ? (value(i) - lo) / (hi - lo)
+                                                              : 0);
+    const std::string after = unit.empty() ? "" : " " + unit;
+    Legend& legend = colors.legend;
+    if (one) {
+        legend.kinds = {{name + " " + shortNumber(lo) + after, rampColor(0.5)}};
+        legend.words = fmt::format("colored by {}, {:.4g}{}", name, lo, after);
+    } else {
+        legend.title = unit.empty() ? titleOf(name) : name + ", " + unit;
+        legend.ends = {shortNumber(lo), shortNumber(hi)};
+        legend.words = fmt::format("colored by {}, {:.4g} to {:.4g}{} from dark to light", name, lo,
+                                   hi, after);
+    }
+    return colors;
 }
 
 }  // namespace
@@ -45,68 +113,57 @@ const std::vector<std::uint32_t>& regionColors() {
 }
 
 template <int Dim>
-SphereColors sphereColors(const Pack<Dim>& pack, PreviewColor by, const std::string& column) {
+SphereColors sphereColors(const Pack<Dim>& pack, const PreviewOptions& options) {
     const std::size_t n = pack.spheres.size();
+    const PreviewColor by = options.color;
     const auto require = [&](std::size_t have, const char* name) {
         if (have != n)
             throw ParameterError(
                 fmt::format("`preview.color` {}: {} of {} {} have it; color by radius", name, have,
                             n, Measure<Dim>::kSpheres));
     };
-    SphereColors colors;
-    colors.color.resize(n);
     if (by == PreviewColor::region) {
         // As in files: a pack without regions is all cortical.
         if (!pack.region.empty()) require(pack.region.size(), "region");
-        const Color cortical = fromSrgb(regionColors()[0]),
-                    trabecular = fromSrgb(regionColors()[1]);
-        for (std::size_t i = 0; i < n; ++i)
-            colors.color[i] = pack.region.empty() || pack.region[i] == 0 ? cortical : trabecular;
-        colors.words = "colored by region, cortical blue, trabecular sand";
+        SphereColors colors = colorsOfKinds(
+            n, [&](std::size_t i) { return pack.region.empty() || pack.region[i] == 0 ? 0u : 1u; },
+            regionColors(), {"cortical", "trabecular"});
+        colors.legend.words = "colored by region, cortical blue, trabecular sand";
         return colors;
     }
-    const std::vector<double>* numbers =
-        by == PreviewColor::column ? &numbersOf(pack, column) : nullptr;
-    if (numbers && areKinds(*numbers)) {
-        for (std::size_t i = 0; i < n; ++i)
-            colors.color[i] = fromSrgb(kindColors()[static_cast<std::size_t>((*numbers)[i])]);
-        colors.words = "colored by " + column;
+    if (by == PreviewColor::column) {
+        const Column& column = columnNamed(pack, options.column);
+        const auto& numbers = column.numbers;
+        const auto value = [&](std::size_t i) { return numbers[i]; };
+        if (!areKinds(numbers)) return colorsOfRamp(n, value, options.column, "");
+        std::vector<std::string> names = column.names;
+        for (std::size_t k = names.size(); k < kindColors().size(); ++k)
+            names.push_back(std::to_string(k));
+        SphereColors colors = colorsOfKinds(
+            n, [&](std::size_t i) { return static_cast<std::size_t>(numbers[i]); }, kindColors(),
+            names);
+        colors.legend.title = options.column;
+        colors.legend.words = "colored by " + options.column;
+        for (std::size_t k = 0; k < colors.legend.kinds.size(); ++k)
+            colors.legend.words += (k == 0 ? ": " : ", ") + colors.legend.kinds[k].name;
         return colors;
     }
-    const char* name = by == PreviewColor::radius  ? "radius"
-                       : by == PreviewColor::depth ? "depth"
-                       : numbers                   ? column.c_str()
-                                                   : "order";
-    if (by == PreviewColor::depth) require(pack.depth.size(), name);
-    if (by == PreviewColor::order) require(pack.order.size(), name);
-    const auto value = [&](std::size_t i) {
-        return numbers                      ? (*numbers)[i]
-               : by == PreviewColor::radius ? pack.spheres[i].radius
-               : by == PreviewColor::depth  ? static_cast<double>(pack.depth[i])
-                                            : static_cast<double>(pack.order[i]);
-    };
-    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-    for (std::size_t i = 0; i < n; ++i)
-        if (std::isfinite(value(i))) {
-            lo = std::min(lo, value(i));
-            hi = std::max(hi, value(i));
-        }
-    if (!(lo <= hi)) lo = hi = 0;
-    // All values are equal up to rounding: the middle of the ramp.
-    const bool one = !(hi - lo > 1e-9 * std::fabs(hi));
-    for (std::size_t i = 0; i < n; ++i)
-        colors.color[i] = rampColor(one                       ? 0.5
-                                    : std::isfinite(value(i)) ? (value(i) - lo) / (hi - lo)
-                                                              : 0);
-    const char* unit = by == PreviewColor::order || numbers ? "" : " mm";
-    colors.words = one ? fmt::format("colored by {}, {:.4g}{}", name, lo, unit)
-                       : fmt::format("colored by {}, {:.4g} to {:.4g}{} from dark to light", name,
-                                     lo, hi, unit);
-    return colors;
+    if (by == PreviewColor::depth) {
+        require(pack.depth.size(), "depth");
+        const auto depth = [&](std::size_t i) { return static_cast<double>(pack.depth[i]); };
+        return colorsOfRamp(n, depth, "depth", "mm");
+    }
+    if (by == PreviewColor::order) {
+        require(pack.order.size(), "order");
+        const auto order = [&](std::size_t i) { return static_cast<double>(pack.order[i]); };
+        return colorsOfRamp(n, order, "order", "");
+    }
+    const auto radius = [&](std::size_t i) { return pack.spheres[i].radius; };
+    return colorsOfRamp(n, radius, "radius", "mm");
 }
 
-template SphereColors sphereColors<2>(const Pack<2>&, PreviewColor, const std::string&);
-template SphereColors sphereColors<3>(const Pack<3>&, PreviewColor, const std::string&);
+template SphereColors sphereColors<2>(const Pack<2>&, const PreviewOptions&);
+template SphereColors sphereColors<3>(const Pack<3>&, const PreviewOptions&);
 
 Color boneColor() {
     static const Color color = fromSrgb(0xece2cf);

@@ -5,22 +5,33 @@
 #include "vdbpack/preview/color.h"
 #include "vdbpack/preview/preview.h"
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 namespace vdbpack {
 
+/// What colors mean.
+struct Legend {
+    struct Kind {
+        std::string name;
+        Color color;
+    };
+    std::string title;                ///< "part" or "radius, mm"; empty: none, and no ramp
+    std::vector<Kind> kinds;          ///< each with a color of its own; empty: a ramp or nothing
+    std::array<std::string, 2> ends;  ///< numbers at the dark and the light end of the ramp
+    std::string words;                ///< "colored by radius, 1 to 2 mm from dark to light"
+};
 /// The colors of the spheres of a pack.
 struct SphereColors {
     std::vector<Color> color;  ///< one per sphere
-    std::string words;         ///< "colored by radius, 1 to 2 mm from dark to light"
+    Legend legend;
 };
 /// Columns of few whole numbers from 0, such as `part`, have colors that are easy to tell apart.
-/// @param column  name of it, for PreviewColor::column.
-/// @throws ParameterError if the pack lacks the attribute.
+/// @throws ParameterError if the pack lacks the attribute that `options` names.
 template <int Dim>
-SphereColors sphereColors(const Pack<Dim>& pack, PreviewColor by, const std::string& column);
+SphereColors sphereColors(const Pack<Dim>& pack, const PreviewOptions& options);
 
 /// 0xRRGGBB of sRGB, for columns of few whole numbers from 0; and whether numbers are such.
 const std::vector<std::uint32_t>& kindColors();

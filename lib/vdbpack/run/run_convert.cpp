@@ -83,7 +83,9 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.hash = packHash(pack);
     addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
-    if (drawGiven(recipe.preview, recipe.pack, pack, source ? &*source : nullptr, built))
+    PreviewOptions preview = recipe.preview;
+    preview.space = recipe.domain.space;
+    if (drawGiven(preview, recipe.pack, pack, source ? &*source : nullptr, built))
         result.files.push_back(recipe.preview.file);
 }
 
@@ -148,7 +150,9 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
     }
     if (recipe.preview.file.empty()) return;
     if (!isMesh) mesh = levelSetMesh(*levelSetOf(recipe, isMesh, callbacks), recipe.pack);
-    drawGiven(recipe.preview, recipe.pack, *mesh);
+    PreviewOptions preview = recipe.preview;
+    preview.space = recipe.domain.space;
+    drawGiven(preview, recipe.pack, *mesh);
     result.files.push_back(recipe.preview.file);
 }
 
