@@ -92,6 +92,7 @@ Json voidsJson(const Report& r) {
     if (v.leastShell) json["leastShell"] = *v.leastShell;
     json["voxelSize"] = v.voxelSize > 0 ? Json(v.voxelSize) : Json();
     json["totalVolume"] = v.totalVolume;
+    json["sphereFraction"] = orNull(v.filled);
     json["bvtvOf"] = v.ofSpheres ? "spheres" : "solid";
     json["amount"] = orNull(v.amount);
     json["reachedShare"] = orNull(v.reachedShare);

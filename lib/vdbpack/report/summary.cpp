@@ -172,6 +172,8 @@ std::string voidsText(const Report& r, const DimensionWords& words) {
     if (v.bvtv)
         text += fmt::format(", {} {:.4f}",
                             v.ofSpheres ? "share of the spheres' volume left" : "BV/TV", *v.bvtv);
+    if (v.filled)
+        text += fmt::format(" ({} fill {:.4f} of the same volume)", words.spheres, *v.filled);
     if (v.amount && v.method == "boolean")
         text += fmt::format(", {:.5g} centers per {}", *v.amount, words.volumeUnit);
     else if (v.amount)

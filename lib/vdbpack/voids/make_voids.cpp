@@ -1,6 +1,7 @@
 #include "vdbpack/voids/make_voids.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/shell_field.h"
 #include "vdbpack/voids/solve_target.h"
@@ -265,6 +266,12 @@ void measureVoids(const VoidSetting<Dim>& s, double contactTolerance, const Pack
     if (made.stamped && !made.solid.grid) cut(s, made);
     if (pack && !s.recipe.keepConnected && (!s.recipe.empty() || s.recipe.hasShell()))
         attachedToShell(s, contactTolerance, *pack, made.report);
+    if (!pack || !made.report.bvtv || !(made.report.totalVolume > 0)) return;
+    double filled = 0;
+    for (std::size_t i = 0; i < pack->spheres.size(); ++i)
+        if (pack->region.empty() || pack->region[i] != 0)
+            filled += Measure<Dim>::ball(pack->spheres[i].radius);
+    made.report.filled = sumOver(s.ranks, filled) / made.report.totalVolume;
 }
 
 #define VDBPACK_INSTANTIATE(Dim)                                                            \

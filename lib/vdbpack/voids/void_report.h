@@ -32,6 +32,7 @@ struct VoidReport {
     double voxelSize = 0;              ///< of the level set, mm; 0: none
     double totalVolume = 0;            ///< of the domain deeper than the shell, mm^dim
     std::optional<double> bvtv;        ///< BV/TV there, of the solid
+    std::optional<double> filled;      ///< share of that volume that the spheres there fill
     bool ofSpheres = false;  ///< `bvtv` is the remaining share of the spheres' volume instead
     /// Found by a target or given: voids per mm^dim (boolean), their number (overlay), probability
     /// (grid, mixed, ellipses) or D (concentric, threshold).

@@ -1,0 +1,95 @@
+// What spheres are made of: moduli of parts and without grey values, small spheres in coarse
+// images.
+#include "support/image_file.h"
+#include "support/jobs.h"
+#include "support/test.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/made_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace {
+
+std::vector<double> columnIn(const RunResult& run, const char* name) {
+    const Column* const column = columnOfNumbers(std::get<Pack<3>>(run.pack), name);
+    REQUIRE(column);
+    return column->numbers;
+}
+
+PackRecipe blockOf(const std::string& file, double from, const char* name) {
+    writeStl(boxMesh({{{from, 0, 0}}, {{from + 6, 6, 6}}}), file, Unit::millimeter, "test");
+    PackRecipe part = recipeFor(file, "uniform:0.5,1");
+    part.name = name;
+    return part;
+}
+
+}  // namespace
+
+TEST_CASE("a modulus alone is a column without grey values") {
+    PackJob recipe = recipeFor("ball:4", "constant:0.8");
+    recipe.grey.modulus = "700";
+    for (const double modulus : columnIn(runPack(recipe), kModulusColumn)) CHECK(modulus == 700);
+    recipe.grey.modulus = "4730,1.56";
+    CHECK_THROWS_WITH(runPack(recipe), Contains("calibration"));
+}
+
+TEST_CASE("each part has its own modulus, or the run is refused") {
+    const TemporaryFolder folder;
+    PackRecipe recipe;
+    recipe.parts = {blockOf(folder.file("a.stl"), 0, "bone"),
+                    blockOf(folder.file("b.stl"), 6, "screw")};
+    recipe.parts[1].grey.modulus = "110000";
+    CHECK_THROWS_WITH(runPack(recipe), Contains("bone") && Contains("modulus"));
+    recipe.parts[0].grey.modulus = "6850,1.49";
+    CHECK_THROWS_WITH(runPack(recipe), Contains("bone") && Contains("calibration"));
+    recipe.parts[0].grey.modulus = "900";
+    const RunResult run = runPack(recipe);
+    const auto moduli = columnIn(run, kModulusColumn), part = columnIn(run, kPartColumn);
+    for (std::size_t i = 0; i < moduli.size(); ++i)
+        CHECK(moduli[i] == (part[i] == 0 ? 900 : 110000));
+    CHECK(std::count(part.begin(), part.end(), 1.0) > 50);
+}
+
+TEST_CASE("spheres smaller than a voxel are named, and averaged over a length") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("noise.nrrd");
+    // A chessboard: each voxel is off by as much as its neighbors, the other way.
+    writeNrrd(file,
+              Voxels<float>::of(gridAround(12, {{2, 2, 2}}),
+                                [](const Vec<3>& p) {
+                                    const double cell = std::floor(p[0] / 2 + 0.25) +
+                                                        std::floor(p[1] / 2 + 0.25) +
+                                                        std::floor(p[2] / 2 + 0.25);
+                                    return std::fmod(std::fabs(cell), 2) < 0.5 ? 1000 : 1400;
+                                }),
+              "float");
+    PackJob recipe = recipeFor("ball:5", "constant:0.5");
+    recipe.grey.samples = {"hu=" + file};
+    const RunResult noisy = runPack(recipe);
+    CHECK(std::any_of(
+        noisy.report.warnings.begin(), noisy.report.warnings.end(),
+        [](const std::string& text) { return text.find("sampleLength") != std::string::npos; }));
+    const auto values = columnIn(noisy, "hu");
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    CHECK(*most - *least > 350);
+    recipe.grey.sampleLength = 6;
+    for (const double value : columnIn(runPack(recipe), "hu"))
+        CHECK(value == Approx(1200).margin(60));
+}
+
+TEST_CASE("BV/TV of the solid stands beside the share that the spheres fill") {
+    PackJob recipe = recipeFor("box:12,12,12", "uniform:0.4,0.8");
+    setVoids(recipe.request, "boolean", "constant:1.5", 0.4);
+    recipe.request.shell = 2;
+    const RunResult run = runPack(settled(recipe));
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    double filled = 0;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+        if (pack.region[i] == 1) filled += Measure<3>::ball(pack.spheres[i].radius);
+    CHECK(*run.report.voids->filled == Approx(filled / (8 * 8 * 8)));
+    CHECK(*run.report.voids->filled < *run.report.voids->bvtv);
+}
