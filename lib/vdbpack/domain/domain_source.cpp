@@ -141,8 +141,12 @@ void DomainSource::takeSurface(const Callbacks& callbacks) {
     const bool isFile = !isInMemory(recipe_);
     const bool isVdb = isFile && extensionOf(recipe_.source) == ".vdb";
     if (isVdb && recipe_.threshold) {
-        mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, recipe_.scale, *recipe_.threshold,
-                              recipe_.unit);
+        if (!recipe_.threshold->value)
+            throw ParameterError(
+                fmt::format("`threshold` {}: is found for images, and {} is none; give a number",
+                            recipe_.threshold->text(), recipe_.source));
+        mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, recipe_.scale,
+                              *recipe_.threshold->value, recipe_.unit);
     } else if (isVdb || recipe_.levelSet) {
         levelSet_ = isVdb ? domainLevelSet(recipe_) : recipe_.levelSet;
         mesh_ = levelSetMesh(*levelSet_, recipe_.source);
