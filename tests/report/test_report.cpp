@@ -36,7 +36,7 @@ Report fullReport() {
 TEST_CASE("the report has the keys that scripts rely on") {
     const auto json = toJson(fullReport());
     const auto expected = nlohmann::ordered_json::parse(R"({
-      "version": "", "command": "", "unit": "mm", "axes": null, "seed": 1, "threads": 2, "ranks": 1, "hash": "", "interrupted": false,
+      "version": "", "command": "", "unit": "mm", "axes": null, "seed": 1, "threads": 2, "ranks": 1, "hash": "", "interrupted": false, "found": [],
       "domain": {"kind": "", "triangles": 0, "volume": 0, "meshVolume": 0, "area": 0,
                  "voxelSize": 0, "activeVoxels": 0, "boundaryEdges": 0, "nonManifoldEdges": 0},
       "spheres": {"count": 0, "existing": 0, "requested": "", "radius": {"min":0,"mean":0,"max":0,"sd":0},

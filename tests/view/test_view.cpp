@@ -300,8 +300,39 @@ TEST_CASE("a view tells of a domain that cannot be the pack's") {
     recipe.domain.source = "box:0,0,0,10,10,10";
     CHECK_FALSE(runView(recipe).warnings.empty());
     recipe.domain.source.clear();
-    recipe.pack = folder.file("mesh.stl");
-    CHECK_THROWS_AS(runView(recipe), InputError);
-    recipe.pack = folder.file(".");
+    recipe.pack = folder.file("absent.stl");
     CHECK_THROWS_AS(runView(recipe), IoError);
+    recipe.pack = folder.file(".");
+    CHECK_THROWS_AS(runView(recipe), Error);
+}
+
+TEST_CASE("view shows a solid by its triangles, and several in a color each") {
+    const TriangleMesh box = boxMesh({{{-1, -2, -3}}, {{1, 2, 3}}});
+    ViewScene<3> scene;
+    scene.wall = &box;
+    scene.solids = {{"a", 4}, {"b", 8}};
+    const Json facts = viewData(scene, ViewOptions{});
+    CHECK(facts["half"] == Json({1, 2, 3}));
+    CHECK(facts["spheres"][0]["count"] == 0);
+    REQUIRE(facts["solids"].size() == 2);
+    CHECK(facts["solids"][1]["name"] == "b");
+    CHECK(facts["solids"][1]["corners"] == 24);
+    CHECK(facts["solids"][0]["color"] != facts["solids"][1]["color"]);
+    CHECK_THAT(viewOf(scene).body, Contains("of-solids"));
+
+    const TemporaryFolder folder;
+    ViewRecipe recipe;
+    recipe.pack = "box:2,4,6";
+    recipe.reportFile = folder.file("page.html");
+    const ViewResult result = runView(recipe);
+    CHECK(result.kind == "triangles");
+    CHECK(result.count == 12);
+    const std::string page = contentOf(recipe.reportFile);
+    CHECK(flawIn(page) == "");
+    CHECK_THAT(page, Contains("12 triangles") && Contains("2 x 4 x 6 mm"));
+    recipe.pack = "rect:2,4";
+    CHECK_THROWS_WITH(runView(recipe), Contains("is plane"));
+    recipe.pack = "box:2,4,6";
+    recipe.domain.source = "ball:1";
+    CHECK_THROWS_WITH(runView(recipe), Contains("is a solid"));
 }

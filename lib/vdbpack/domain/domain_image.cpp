@@ -121,7 +121,7 @@ Image readGreyImage(const std::string& file, const DomainRecipe& domain,
     return image;
 }
 
-TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+TriangleMesh imageMesh(DomainRecipe& recipe, const Callbacks& callbacks,
                        std::optional<ImageGrid>& grid, bool& spaced, bool& sided) {
     const Image image = readDomainImage(recipe, callbacks);
     grid = image.grid;
@@ -136,7 +136,8 @@ TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                 fmt::format("{}: seems to be a label map of {} labels, between whose values "
                             "`threshold` has no meaning; set `label`",
                             recipe.source, labels->size()));
-        return thresholdSurface(image, *recipe.threshold, recipe.source, callbacks);
+        recipe.threshold = recipe.threshold->of(image, recipe.source, callbacks);
+        return thresholdSurface(image, *recipe.threshold->value, recipe.source, callbacks);
     }
     const auto labels = requiredLabels(recipe, image);
     const LabelPart part = selectedPart(recipe, labels);

@@ -41,9 +41,10 @@ void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::strin
 /// from a threshold on.
 /// @throws ParameterError if it selects nothing that there is, or several parts; else as
 /// `readImage`.
+/// @param recipe  whose threshold is found, if it is Otsu's.
 /// @param grid    of the image. @param spaced  whether its file states distances of voxels.
 /// @param sided   as `Image::isSided`.
-TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+TriangleMesh imageMesh(DomainRecipe& recipe, const Callbacks& callbacks,
                        std::optional<ImageGrid>& grid, bool& spaced, bool& sided);
 
 }  // namespace vdbpack

@@ -7,6 +7,7 @@
 #include "vdbpack/repair/mesh_repair.h"
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 
 namespace vdbpack {
 
+struct Callbacks;
 struct Image;
 class VdbGrid;
 
@@ -53,6 +55,26 @@ struct Pose {
 /// Whether a mesh is one domain, or has parts: by names in its file, or its connected components.
 enum class PartsBy { none, group, component };
 
+/// From which value on an image is taken.
+struct Threshold {
+    std::optional<double> value;  ///< nothing: of Otsu's method, not found yet
+    /// Otsu's of the values from this on, -infinity for all; nothing: it was given as a number.
+    std::optional<double> otsuFrom;
+
+    Threshold(double given) : value(given) {}
+    static Threshold otsu(double from = -std::numeric_limits<double>::infinity());
+    /// otsu or otsu:LEAST. @throws ParameterError
+    static Threshold parse(const std::string& text);
+    std::string text() const;  ///< as it was given
+
+    /// With its value, found unless it is known. Warns of one that seems to part air from tissue in
+    /// HU. @param path for messages. @throws InputError if the image has no two different values
+    Threshold of(const Image& image, const std::string& path, const Callbacks& callbacks) const;
+
+private:
+    Threshold() = default;
+};
+
 /// What DOMAIN and the options about it say.
 struct DomainRecipe {
     /// A file (.stl .obj .ply .off .gts .vtp .vtk .vdb), an image (`namesImage`) or a shape:
@@ -69,7 +91,7 @@ struct DomainRecipe {
     Pose pose;
     std::string gridName;  ///< level set in a .vdb; empty: the first
     /// Value at the surface, of a fog volume in a .vdb or of an image.
-    std::optional<double> threshold;
+    std::optional<Threshold> threshold;
     std::string label;  ///< of an image: a value or a name, or several joined by "+"
     /// Distances of the voxels of an image that states none, else of label maps that are written,
     /// mm; nothing: the distances that the image states.

@@ -146,8 +146,12 @@ void DomainSource::takeSurface(const Callbacks& callbacks) {
     const bool isFile = !isInMemory(recipe_);
     const bool isVdb = isFile && extensionOf(recipe_.source) == ".vdb";
     if (isVdb && recipe_.threshold) {
-        mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, recipe_.scale, *recipe_.threshold,
-                              recipe_.unit);
+        if (!recipe_.threshold->value)
+            throw ParameterError(
+                fmt::format("`threshold` {}: is found for images, and {} is none; give a number",
+                            recipe_.threshold->text(), recipe_.source));
+        mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, recipe_.scale,
+                              *recipe_.threshold->value, recipe_.unit);
         place(*mesh_, recipe_, callbacks);
     } else if (isVdb || recipe_.levelSet) {
         levelSet_ = isVdb ? domainLevelSet(recipe_) : recipe_.levelSet;

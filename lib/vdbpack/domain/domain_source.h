@@ -76,6 +76,8 @@ public:
     bool isFile() const { return mesh_.has_value(); }
     bool hasCavities() const;  ///< closed components of the surface inside others
     const std::optional<TriangleMesh>& mesh() const { return mesh_; }
+    /// That `mesh()` is the contour of; null: it is none.
+    const std::shared_ptr<const VdbGrid>& levelSet() const { return levelSet_; }
     const Box<3>& fileBounds() const { return fileBounds_; }
     /// Of the image that the domain comes from, mm; nothing: it is none.
     const std::optional<ImageGrid>& imageGrid() const { return imageGrid_; }

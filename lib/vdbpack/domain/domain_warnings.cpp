@@ -61,8 +61,8 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
         callbacks.warn("`gridName` " + recipe.gridName + " has no effect: " + text + " is no .vdb");
     const bool image = source.isFile() && isImage(recipe);
     if (recipe.threshold && !levelSet && !image)
-        callbacks.warn(fmt::format("`threshold` {:g} has no effect: {} is no .vdb and no image",
-                                   *recipe.threshold, text));
+        callbacks.warn(fmt::format("`threshold` {} has no effect: {} is no .vdb and no image",
+                                   recipe.threshold->text(), text));
     if (!image && !recipe.label.empty())
         callbacks.warn("`label` " + recipe.label + " has no effect: " + text + " is no image");
     if ((levelSet || image) && (recipe.repair || recipe.cavities.any()))

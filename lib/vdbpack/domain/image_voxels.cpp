@@ -21,7 +21,7 @@ std::vector<std::uint8_t> solidVoxels(const DomainRecipe& recipe, const Image& i
         });
     };
     if (recipe.threshold) {
-        mark(0, [&](double value) { return value >= *recipe.threshold; });
+        mark(0, [&, least = *recipe.threshold->value](double value) { return value >= least; });
         return solid;
     }
     for (const LabelCount& label : selectedPart(recipe, requiredLabels(recipe, image)).labels)

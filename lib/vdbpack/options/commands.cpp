@@ -15,6 +15,9 @@ namespace {
 constexpr std::uint64_t kMostVacancySamples = 10'000'000'000;
 const char* const kOutUnitHelp = "unit of what is written";
 const char* const kResultAsJson = "print the result as JSON";
+const char* const kSolidHelp =
+    "; or a solid: a mesh (.stl .obj .off .ply .gts .vtk), an image (with `label` or `threshold`; "
+    "A,B and all are several), a level set (.vdb) or a shape";
 const char* const kRequiredDomain = "DOMAIN (required without a cell in PACK)";
 const Names<Fill> kFills{{"domain", Fill::domain}, {"solid", Fill::solid}};
 
@@ -169,23 +172,17 @@ void list(OptionList& rows, StiffnessRecipe& job, PrintOptions& print) {
 
 void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
     packArgument(rows, job, "PACK",
-                 std::string("a pack: ") + kPackHelp +
-                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply .gts .vtk)");
+                 std::string("a pack: ") + kPackHelp + kSolidHelp +
+                     ". With several labels, {part} in the name of an output becomes the name of "
+                     "each");
     outputOption(rows, job.outputs);
     packReadingOptions(rows, job.packUnit, job.packColumns, job.packRadius, "PACK");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     imagesOption(rows, job.images);
-    unitOption(rows, "unit", job.domain.unit, "unit of the domain's file");
-    rows.group("Domain");
-    rows.text("grid", "NAME [first]", job.packGrid, "point grid (or level set) to take from a .vdb")
-        .as("gridName packGrid");
     domainOption(rows, job.domain,
                  "domain whose level set or surface can be written too, and to which `density` "
                  "bulk:D refers: ");
-    imageOptions(rows, job.domain);
-    rows.length("voxel", "H [automatic]", job.domain.voxelSize, Range::positive,
-                "voxel size of the level set made from a mesh, mm")
-        .as("voxelSize");
+    domainOptions(rows, job.domain, &job.packGrid);
     contactTolerance(rows, job.contactTolerance);
     densityOption(rows, job.density);
     greyOptions(rows, job.grey);
@@ -228,12 +225,13 @@ void list(OptionList& rows, ImageRecipe& job, PrintOptions& print) {
               "of masks")
         .naming(FileIn::pack)
         .required = true;
+    thresholdOption(rows, job.domain);
     imagePlacement(rows, job.domain);
     fileOptions(rows, job, job.domain, print);
 }
 
 void list(OptionList& rows, ViewJob& job, PrintOptions& print) {
-    packArgument(rows, job, "PACK", kPackHelp);
+    packArgument(rows, job, "PACK", std::string(kPackHelp) + kSolidHelp);
     rows.group("Output");
     Option& page = rows.text("output", "FILE.html [NAME.view.html]", job.reportFile,
                              "page to write: one file that needs no other, and no network");
@@ -292,10 +290,14 @@ const std::vector<CommandText>& commandTexts() {
          MeasureRecipe()},
         {"stiffness", "compute the apparent stiffness of the bonded spheres of a pack",
          StiffnessRecipe()},
-        {"convert", "convert packs, level sets and meshes to other formats", ConvertRecipe()},
+        {"convert",
+         "convert packs, and the surfaces of meshes, images and level sets, to other formats",
+         ConvertRecipe()},
         {"mesh", "report whether a mesh can be packed, and repair it", MeshRecipe()},
         {"image", "report what a label map or a CT contains, and where it lies", ImageRecipe()},
-        {"view", "write a page that shows a pack, to turn, zoom and cut in a browser, and open it",
+        {"view",
+         "write a page that shows a pack or a solid, to turn, zoom and cut in a browser, and open "
+         "it",
          ViewJob()},
     };
     return texts;

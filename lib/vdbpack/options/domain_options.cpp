@@ -91,12 +91,13 @@ void unitOption(OptionList& rows, const char* name, Unit& unit, const char* help
     rows.choice(name, "UNIT [mm]", unit, kUnits, help);
 }
 
-void domainOptions(OptionList& rows, DomainRecipe& domain) {
+void domainOptions(OptionList& rows, DomainRecipe& domain, std::string* packGrid) {
     unitOption(rows, "unit", domain.unit, "unit of the domain's file: m, cm, mm or um");
     rows.number("scale", "F [1]", domain.scale, Range::any, "further factor on the file's lengths");
     rows.group("Domain");
-    rows.text("grid", "NAME [first]", domain.gridName,
-              "level set, or with `threshold` fog volume, to take from a .vdb")
+    rows.text("grid", "NAME [first]", packGrid ? *packGrid : domain.gridName,
+              std::string(packGrid ? "point grid, " : "") +
+                  "level set, or with `threshold` fog volume, to take from a .vdb")
         .as("gridName packGrid");
     imageOptions(rows, domain);
     rows.custom(
@@ -117,11 +118,18 @@ void domainOptions(OptionList& rows, DomainRecipe& domain) {
     repairOptions(rows, domain);
 }
 
+void thresholdOption(OptionList& rows, DomainRecipe& domain) {
+    rows.group("Domain");
+    rows.threshold(
+        "threshold", domain.threshold,
+        "take an image, or a fog volume of a .vdb, as the domain where its values are "
+        "at least V. otsu: of an image, what Otsu's method finds; otsu:LEAST: the same "
+        "of the values from LEAST on, such as otsu:-200 for a CT in HU, without its air");
+}
+
 void imageOptions(OptionList& rows, DomainRecipe& domain) {
     rows.group("Domain");
-    rows.number("threshold", "V", domain.threshold, Range::any,
-                "take an image, or a fog volume of a .vdb, as the domain where its values are at "
-                "least V");
+    thresholdOption(rows, domain);
     rows.numbers("label", "L", domain.label,
                  "label of an image to fill, by value or name; A+B joins two to one domain. With "
                  "pack and verify, A,B and all are several parts, each with its own surface");

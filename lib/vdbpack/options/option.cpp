@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -84,6 +85,17 @@ Option& OptionList::custom(const char* name, const char* shown, std::string help
                            std::function<void(const std::string&)> set,
                            std::function<std::string()> get) {
     return add(name, shown, OptionKind::text, std::move(help), std::move(set), std::move(get));
+}
+
+Option& OptionList::threshold(const char* name, std::optional<Threshold>& field, std::string help) {
+    return custom(
+               name, "V|otsu", std::move(help),
+               [&field, name](const std::string& text) {
+                   field = startsWith(text, "otsu") ? Threshold::parse(text)
+                                                    : numberIn(name, text, Range::any);
+               },
+               [&field] { return field ? field->text() : std::string(); })
+        .of(OptionKind::numbers);
 }
 
 double OptionList::numberIn(const std::string& name, const std::string& text, Range range) {

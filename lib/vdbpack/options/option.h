@@ -1,6 +1,8 @@
 // A row of the table of options, bound to the field of a recipe that it sets.
 #pragma once
 
+#include "vdbpack/domain/domain_recipe.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -116,6 +118,8 @@ public:
                 return field == initial ? std::string() : std::to_string(field);
             });
     }
+    /// A threshold of grey values.
+    Option& threshold(const char* name, std::optional<Threshold>& field, std::string help);
     /// One of some names.
     template <class Value>
     Option& choice(const char* name, const char* shown, Value& field, const Names<Value>& names,

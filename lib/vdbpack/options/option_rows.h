@@ -18,7 +18,9 @@ void domainArgument(OptionList& rows, DomainRecipe& domain);
 /// The row `domain`. @param note  before the forms of a domain; may be empty.
 void domainOption(OptionList& rows, DomainRecipe& domain, const std::string& note = {},
                   const char* shown = "DOMAIN");
-void domainOptions(OptionList& rows, DomainRecipe& domain);
+/// @param packGrid  in place of the grid of the domain; null: there is no pack beside it.
+void domainOptions(OptionList& rows, DomainRecipe& domain, std::string* packGrid = nullptr);
+void thresholdOption(OptionList& rows, DomainRecipe& domain);
 void poseOptions(OptionList& rows, Pose& pose);
 void imageOptions(OptionList& rows, DomainRecipe& domain);
 void imagePlacement(OptionList& rows, DomainRecipe& domain);

@@ -2,6 +2,7 @@
 
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/options/recipes.h"
+#include "vdbpack/report/found_value.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -66,7 +67,7 @@ std::string recipeFileText(const std::string& toml, const std::string& file, con
         text += fmt::format("# and gave {} {}, hash {:016x}\n", grouped(report.count),
                             report.dim == 2 ? "circles" : "spheres", report.hash);
     for (const auto& sentence : report.chosen) text += "# chosen: " + sentence + '\n';
-    return text + withSeed(toml, report.seed);
+    return text + withSeed(withValues(toml, report.found), report.seed);
 }
 
 void leaveRecipe(const std::string& toml, const std::vector<OutputTarget>& outputs, Report& report,

@@ -156,11 +156,13 @@ struct MeasureRecipe : InputPack {
 
 /// `pack` is what is converted, `packGrid` the point grid or level set in a .vdb. With
 /// `domain.source` level sets and surface of that domain can be written beside the spheres;
-/// the level set made of a mesh has voxels of `domain.voxelSize`, too. `outputs` or a picture are
-/// required; `radius` and `reportFile` are not used.
+/// the level set made of a mesh has voxels of `domain.voxelSize`, too. Of a solid, `domain` says
+/// how it is read, without a source of its own. `outputs` or a picture are required; `radius` and
+/// `reportFile` are not used.
 struct ConvertRecipe : InputPack {};
 
-/// `pack` is shown, and with `domain.source` the wall of that domain. `reportFile` is the page
+/// `pack` is shown, and with `domain.source` the wall of that domain; or a solid, as by
+/// `ConvertRecipe`. `reportFile` is the page
 /// (empty: NAME.view.html in the current folder, with the name of the pack's file);
 /// `preview.cut`, `preview.color` and `preview.column` are how the view begins. `outputs`,
 /// `preview.file` and `radius` are not used.
@@ -173,7 +175,7 @@ struct MeshRecipe : RunSettings {
 };
 
 struct ImageRecipe : RunSettings {
-    DomainRecipe domain;  ///< source, unit, scale, spacing and space
+    DomainRecipe domain;  ///< source, unit, scale, spacing, space and threshold
 };
 
 /// How the spheres of a run are bonded: up to the gap of contacts.

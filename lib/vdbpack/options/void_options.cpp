@@ -94,8 +94,8 @@ void VoidRows::addSamples() const {
     rows.text("like-domain", "DOMAIN", voids.likeDomain,
               "total volume of that specimen (all of an image, else the box around the solid)")
         .naming(FileIn::domain);
-    rows.number("like-threshold", "V", voids.likeThreshold, Range::any,
-                "of an image with grey values: those from this on are solid");
+    rows.threshold("like-threshold", voids.likeThreshold,
+                   "of an image with grey values: those from this on are solid");
     rows.length("void-voxel", "H [1/4 half-axis]", voids.voxelSize, Range::positive,
                 "voxel size of the level sets of voids, mm")
         .as("voids.voxelSize");
@@ -175,7 +175,8 @@ void VoidRows::addDirections() const {
             [&orientation] { return orientation.angles ? orientation.angles->text : ""; })
         .as("orientation.angles");
     rows.custom(
-            "void-axis", "X,Y,Z", "direction of the long axes",
+            "void-axis", "X,Y,Z|long",
+            "direction of the long axes; long: that of the domain, the first of its principal axes",
             [&orientation](const std::string& text) { orientation.axis = VoidAxis::parse(text); },
             [&orientation] { return orientation.axis ? orientation.axis->text : ""; })
         .of(OptionKind::numbers)

@@ -20,7 +20,7 @@ struct VoidRequest {
     std::string bvtvField, bvtvRange;  ///< "MARROW,BONE"
     std::string trabecular;            ///< name of a preset
     std::string like, likeDomain;
-    std::optional<double> likeThreshold;
+    std::optional<Threshold> likeThreshold;
     double voxelSize = 0;
     std::string radius, aspect;  ///< SPEC
     std::optional<double> jitter, blend, strut, strutShare, count, probability, deleteFraction;

@@ -69,6 +69,18 @@ PagePicture finished(Picture image, const PreviewOptions& recipe, const std::str
     return picture;
 }
 
+/// The options of a picture that is written, or of a page; nothing where a page has none.
+template <int Dim>
+std::optional<PreviewOptions> optionsFor(const PreviewOptions& recipe, const Callbacks& callbacks) {
+    PreviewOptions options = recipe;
+    options.cancelled = callbacks.cancelled;
+    if (!recipe.file.empty()) return options;
+    if (Dim == 3 && !canDrawSpace()) return std::nullopt;
+    options.width = kPageWidth;
+    options.height = 0;
+    return options;
+}
+
 }  // namespace
 
 void checkPreview(const PreviewOptions& recipe, const std::string& reportFile) {
@@ -126,20 +138,15 @@ template <int Dim>
 PagePicture drawPack(const PreviewOptions& recipe, const std::string& name, const Pack<Dim>& pack,
                      const DomainSource* source, const DomainSource::Built& built,
                      const Callbacks& callbacks) {
-    PreviewOptions options = recipe;
-    options.cancelled = callbacks.cancelled;
-    if (recipe.file.empty()) {
-        if (Dim == 3 && !canDrawSpace()) return {};
-        options.width = kPageWidth;
-        options.height = 0;
-    }
+    const auto options = optionsFor<Dim>(recipe, callbacks);
+    if (!options) return {};
     if (source)
         return finished(
-            draw(inWorldOf(*source, options), *source, built, MadeVoids<Dim>{}, &pack, nullptr),
+            draw(inWorldOf(*source, *options), *source, built, MadeVoids<Dim>{}, &pack, nullptr),
             recipe, name);
     std::conditional_t<Dim == 3, SpacePreview, PlanePreview> scene;
     scene.pack = &pack;
-    return finished(renderPreview(scene, options), recipe, name);
+    return finished(renderPreview(scene, *options), recipe, name);
 }
 
 template <int Dim>
@@ -150,11 +157,17 @@ bool drawGiven(const PreviewOptions& recipe, const std::string& name, const Pack
     return true;
 }
 
-bool drawGiven(const PreviewOptions& recipe, const std::string& name, const TriangleMesh& solid) {
-    if (recipe.file.empty()) return false;
+PagePicture drawSolid(const PreviewOptions& recipe, const std::string& name,
+                      const TriangleMesh& solid, const Callbacks& callbacks) {
     SpacePreview scene;
     scene.solid = &solid;
-    finished(renderPreview(scene, recipe), recipe, name);
+    const auto options = optionsFor<3>(recipe, callbacks);
+    return options ? finished(renderPreview(scene, *options), recipe, name) : PagePicture{};
+}
+
+bool drawGiven(const PreviewOptions& recipe, const std::string& name, const TriangleMesh& solid) {
+    if (recipe.file.empty()) return false;
+    drawSolid(recipe, name, solid);
     return true;
 }
 

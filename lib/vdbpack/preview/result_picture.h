@@ -47,7 +47,10 @@ template <int Dim>
 bool drawGiven(const PreviewOptions& recipe, const std::string& name, const Pack<Dim>& pack,
                const DomainSource* source, const DomainSource::Built& built);
 
-/// The same of a closed surface. @throws as `drawPreview`
+/// As `drawPack`, of a closed surface.
+PagePicture drawSolid(const PreviewOptions& recipe, const std::string& name,
+                      const TriangleMesh& solid, const Callbacks& callbacks = {});
+/// The same, only if `recipe` names a file.
 bool drawGiven(const PreviewOptions& recipe, const std::string& name, const TriangleMesh& solid);
 
 }  // namespace vdbpack

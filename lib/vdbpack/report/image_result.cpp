@@ -1,10 +1,13 @@
 #include "vdbpack/report/image_result.h"
 
+#include "vdbpack/report/axes_report.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace vdbpack {
 
@@ -12,6 +15,85 @@ namespace {
 
 const char* nameOf(ImageSpace space) {
     return space == ImageSpace::lps ? "LPS" : "RAS";
+}
+
+/// Bars of the logarithm, beside which a few voxels of bone are seen, too.
+std::string histogramRows(const ValueHistogram& histogram) {
+    if (histogram.counts.empty()) return {};
+    constexpr double kLongest = 40;
+    const auto most =
+        static_cast<double>(*std::max_element(histogram.counts.begin(), histogram.counts.end()));
+    std::string text = fmt::format("\n{:>12} {:>12} {:>8}  logarithm of the voxels\n",
+                                   "values from", "voxels", "%");
+    for (std::size_t k = 0; k < histogram.counts.size(); ++k) {
+        const auto count = static_cast<double>(histogram.counts[k]);
+        const double bar = kLongest * std::log1p(count) / std::log1p(most);
+        text +=
+            fmt::format("{:>12.6g} {:>12} {:>8.3f}  {}\n", histogram.edge(k), histogram.counts[k],
+                        100 * count / static_cast<double>(histogram.total()),
+                        std::string(static_cast<std::size_t>(std::lround(bar)), '#'));
+    }
+    return text;
+}
+
+std::string thresholdRows(const ImageResult& r) {
+    if (r.taken.empty()) return {};
+    std::string text = fmt::format("\n{:>12} {:>12} {:>12} {:>8} {:>13}\n", "`threshold`",
+                                   "values from", "voxels", "%", "volume, mm³");
+    for (const ImageResult::Taken& taken : r.taken) {
+        const auto voxels = static_cast<double>(taken.solid.voxels);
+        text += fmt::format("{:>12} {:>12.6g} {:>12} {:>8.3f} {:>12.5g}\n", taken.threshold.text(),
+                            *taken.threshold.value, taken.solid.voxels,
+                            100 * voxels / static_cast<double>(r.grid.voxels()),
+                            std::fabs(r.grid.signedVoxelVolume()) * voxels);
+    }
+    if (!r.isRequested) return text;
+    const VoxelSolid& solid = r.taken.front().solid;
+    const char* name = "axes";
+    text += "\n";
+    if (solid.voxels > 0)
+        for (const std::string& line : linesOf(solid.axes))
+            text += fmt::format("{:<12}{}\n", std::exchange(name, ""), line);
+    return text;
+}
+
+std::string labelRows(const ImageResult& r) {
+    std::string text;
+    const double voxel = std::fabs(r.grid.signedVoxelVolume());
+    text += fmt::format("\n{:>8} {:>10} {:>13} {:>10}  {}\n", "label", "voxels", "volume, mm³",
+                        "components", "name");
+    constexpr std::size_t kMost = 40;
+    const auto addRest = [&](std::size_t count, const char* what) {
+        if (count > kMost)
+            text += fmt::format("{:>8} and {} more {}, all in `json`\n", "", count - kMost, what);
+    };
+    for (std::size_t i = 0; i < std::min(kMost, r.labels->size()); ++i) {
+        const LabelCount& label = (*r.labels)[i];
+        text += fmt::format("{:>8} {:>10} {:>12.5g} {:>11}  {}\n", label.value, label.voxels,
+                            voxel * static_cast<double>(label.voxels), r.relations.components[i],
+                            label.name);
+    }
+    addRest(r.labels->size(), "labels");
+    text += fmt::format("\n{:>8} {:>32}  {:26}  {}\n", "label", "center, mm", "long axis",
+                        "lengths, mm");
+    for (std::size_t i = 0; i < std::min(kMost, r.labels->size()); ++i) {
+        const PrincipalAxes<3>& a = r.solids[i].axes;
+        text += fmt::format(
+            "{:>8} {:>10.5g} {:>10.5g} {:>10.5g}  {:>8.4f} {:>8.4f} {:>8.4f}  {:.4g} x {:.4g} x "
+            "{:.4g}\n",
+            (*r.labels)[i].value, a.center[0], a.center[1], a.center[2], a.axes[0][0], a.axes[0][1],
+            a.axes[0][2], a.lengths[0], a.lengths[1], a.lengths[2]);
+    }
+    addRest(r.labels->size(), "labels");
+    if (r.relations.contacts.empty()) return text;
+    text += fmt::format("\n{:>8} {:>8} {:>10}\n", "touches", "", "faces");
+    for (std::size_t i = 0; i < std::min(kMost, r.relations.contacts.size()); ++i) {
+        const LabelContact& contact = r.relations.contacts[i];
+        text += fmt::format("{:>8} {:>8} {:>10}\n", (*r.labels)[contact.first].value,
+                            (*r.labels)[contact.second].value, contact.faces);
+    }
+    addRest(r.relations.contacts.size(), "pairs");
+    return text;
 }
 
 }  // namespace
@@ -28,10 +110,24 @@ nlohmann::json toJson(const ImageResult& r) {
                         {"origin", r.grid.origin.c},
                         {"range", {r.lowest, r.highest}},
                         {"labels", nullptr},
+                        {"histogram", nullptr},
+                        {"thresholds", nlohmann::json::array()},
                         {"warnings", r.warnings}};
     for (const Vec<3>& step : r.grid.step) json["directions"].push_back(normalized(step).c);
-    if (!r.labels) return json;
     const double voxel = std::fabs(r.grid.signedVoxelVolume());
+    if (!r.histogram.counts.empty())
+        json["histogram"] = {{"first", r.histogram.first},
+                             {"width", r.histogram.width},
+                             {"counts", r.histogram.counts}};
+    for (const ImageResult::Taken& taken : r.taken)
+        json["thresholds"].push_back(
+            {{"threshold", taken.threshold.text()},
+             {"value", *taken.threshold.value},
+             {"voxels", taken.solid.voxels},
+             {"volume", voxel * static_cast<double>(taken.solid.voxels)},
+             {"principalAxes",
+              taken.solid.voxels > 0 ? toJson(taken.solid.axes) : nlohmann::json()}});
+    if (!r.labels) return json;
     json["labels"] = nlohmann::json::array();
     json["contacts"] = nlohmann::json::array();
     for (std::size_t i = 0; i < r.labels->size(); ++i) {
@@ -41,7 +137,8 @@ nlohmann::json toJson(const ImageResult& r) {
                                   {"layer", label.layer},
                                   {"voxels", label.voxels},
                                   {"volume", voxel * static_cast<double>(label.voxels)},
-                                  {"components", r.relations.components[i]}});
+                                  {"components", r.relations.components[i]},
+                                  {"principalAxes", toJson(r.solids[i].axes)}});
     }
     for (const LabelContact& contact : r.relations.contacts)
         json["contacts"].push_back(
@@ -72,32 +169,9 @@ std::string summary(const ImageResult& r) {
     text += row("first voxel", fmt::format("({:.6g}, {:.6g}, {:.6g}) mm in {}", o[0], o[1], o[2],
                                            nameOf(r.space)));
     text += row("values", fmt::format("{:g} to {:g}", r.lowest, r.highest));
-    if (!r.labels)
-        return text + row("labels", "none: a grey image, of which `threshold` V takes a part");
-    const double voxel = std::fabs(r.grid.signedVoxelVolume());
-    text += fmt::format("\n{:>8} {:>10} {:>13} {:>10}  {}\n", "label", "voxels", "volume, mm³",
-                        "components", "name");
-    constexpr std::size_t kMost = 40;
-    const auto addRest = [&](std::size_t count, const char* what) {
-        if (count > kMost)
-            text += fmt::format("{:>8} and {} more {}, all in `json`\n", "", count - kMost, what);
-    };
-    for (std::size_t i = 0; i < std::min(kMost, r.labels->size()); ++i) {
-        const LabelCount& label = (*r.labels)[i];
-        text += fmt::format("{:>8} {:>10} {:>12.5g} {:>11}  {}\n", label.value, label.voxels,
-                            voxel * static_cast<double>(label.voxels), r.relations.components[i],
-                            label.name);
-    }
-    addRest(r.labels->size(), "labels");
-    if (r.relations.contacts.empty()) return text;
-    text += fmt::format("\n{:>8} {:>8} {:>10}\n", "touches", "", "faces");
-    for (std::size_t i = 0; i < std::min(kMost, r.relations.contacts.size()); ++i) {
-        const LabelContact& contact = r.relations.contacts[i];
-        text += fmt::format("{:>8} {:>8} {:>10}\n", (*r.labels)[contact.first].value,
-                            (*r.labels)[contact.second].value, contact.faces);
-    }
-    addRest(r.relations.contacts.size(), "pairs");
-    return text;
+    if (!r.labels) text += row("labels", "none: a grey image, of which `threshold` V takes a part");
+    text += histogramRows(r.histogram) + thresholdRows(r);
+    return r.labels ? text + labelRows(r) : text;
 }
 
 }  // namespace vdbpack

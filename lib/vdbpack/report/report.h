@@ -18,6 +18,15 @@
 
 namespace vdbpack {
 
+/// What a run found for an option that was given as a word.
+struct FoundValue {
+    std::string option;  ///< long name: "threshold"
+    std::string word;    ///< that it was given: "otsu"
+    std::string value;   ///< a number, or several with commas, which give the same result
+    std::string part{};  ///< of several parts, its name; empty: there is one
+};
+using FoundValues = std::vector<FoundValue>;
+
 /// One of the domains of a pack of several parts.
 struct PartReport {
     std::string name;
@@ -59,6 +68,7 @@ struct Report {
     Unit filesUnit = Unit::millimeter;  ///< of the lengths in the files that are written
     bool interrupted = false;
 
+    FoundValues found;  ///< for options that were given as words
     DomainFacts domain;
     double volume = 0;  ///< of the domain, mm^dim
     double area = 0;    ///< of its wall, mm^(dim-1)

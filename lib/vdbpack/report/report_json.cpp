@@ -1,5 +1,6 @@
 #include "vdbpack/core/symmetric.h"
 #include "vdbpack/repair/mesh_repair.h"
+#include "vdbpack/report/found_value.h"
 #include "vdbpack/report/report.h"
 
 #include <nlohmann/json.hpp>
@@ -173,6 +174,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["ranks"] = r.ranks;
     json["hash"] = hashText(r.hash);
     json["interrupted"] = r.interrupted;
+    json["found"] = toJson(r.found);
     json["domain"] = domainJson(r);
     json["spheres"] = spheresJson(r);
     json["solidFraction"] = {{"total", orNull(r.solidFractionTotal)},

@@ -2,6 +2,8 @@
 
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/report/axes_report.h"
+#include "vdbpack/report/found_value.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -78,6 +80,7 @@ nlohmann::ordered_json toJson(const MeasureResult& result) {
             {"domain",
              {{"kind", report.domain.kind.empty() ? nlohmann::ordered_json()
                                                   : nlohmann::ordered_json(report.domain.kind)}}},
+            {"found", toJson(report.found)},
             {"morphometry", toJson(*result.morphometry)},
             {"seconds",
              {{"mesh", report.seconds.mesh},
@@ -103,7 +106,7 @@ std::string summary(const MeasureResult& result) {
                 ? fmt::format("{:<11}none: TV is the bounding box of the solid, or the image\n",
                               "domain")
                 : fmt::format("{:<11}{}\n", "domain", report.domain.kind)) +
-           summary(*result.morphometry) +
+           foundRows(report.found) + summary(*result.morphometry) +
            fmt::format(
                "{:<11}read {:.2f}, domain {:.2f}, measure {:.2f}, total {:.2f} on {} "
                "threads\n{:<11}{:.0f} MiB at most\n",
@@ -116,34 +119,39 @@ nlohmann::ordered_json toJson(const ConvertResult& result) {
     nlohmann::ordered_json json{{"version", VDBPACK_VERSION}, {"kind", result.kind}};
     if (result.count > 0) json["count"] = result.count;
     if (result.hash != 0) json["hash"] = hashText(result.hash);
+    json["found"] = toJson(result.found);
     json["files"] = result.files;
     json["warnings"] = result.warnings;
     return json;
 }
 
 std::string summary(const ConvertResult& result) {
-    std::string text = result.kind == "level set" ? "read       a level set\n"
-                       : result.kind == "mesh"
-                           ? fmt::format("read       a mesh of {} triangles\n", result.count)
-                           : fmt::format("read       {} {}, hash {}\n", result.count, result.kind,
-                                         hashText(result.hash));
+    const char* const a = result.kind == "image" ? "an" : "a";
+    std::string text = result.hash != 0   ? fmt::format("read       {} {}, hash {}\n", result.count,
+                                                        result.kind, hashText(result.hash))
+                       : result.count > 0 ? fmt::format("read       {} {} of {} triangles\n", a,
+                                                        result.kind, result.count)
+                                          : fmt::format("read       {} {}\n", a, result.kind);
+    text += foundRows(result.found);
     for (const std::string& file : result.files) text += fmt::format("written    {}\n", file);
     return text;
 }
 
 nlohmann::ordered_json toJson(const ViewResult& result) {
-    return {{"version", VDBPACK_VERSION}, {"kind", result.kind},   {"count", result.count},
-            {"file", result.file},        {"bytes", result.bytes}, {"warnings", result.warnings}};
+    return {{"version", VDBPACK_VERSION},    {"kind", result.kind}, {"count", result.count},
+            {"found", toJson(result.found)}, {"file", result.file}, {"bytes", result.bytes},
+            {"warnings", result.warnings}};
 }
 
 std::string summary(const ViewResult& result) {
-    return fmt::format("{:<11}{} {}\n{:<11}{} ({:.3g} MB)\n", "read", grouped(result.count),
-                       result.kind, "written", result.file,
+    return fmt::format("{:<11}{} {}\n{}{:<11}{} ({:.3g} MB)\n", "read", grouped(result.count),
+                       result.kind, foundRows(result.found), "written", result.file,
                        static_cast<double>(result.bytes) / 1e6);
 }
 
 nlohmann::json toJson(const MeshResult& result) {
     nlohmann::json json = toJson(result.health);
+    json["principalAxes"] = result.axes ? toJson(*result.axes) : nlohmann::json();
     if (result.repair) {
         json["repair"] = toJson(*result.repair);
         json["repair"]["warnings"] = repairWarnings(*result.repair, result.source);
@@ -188,7 +196,12 @@ std::string summary(const MeshResult& result) {
     if (result.repair)
         text +=
             toText(result.repair->before) + "\n" + repairRows(*result.repair) + "\nrepaired mesh\n";
-    text += toText(result.health) + fitnessRows(result);
+    text += toText(result.health);
+    const char* name = "principal axes";
+    if (result.axes)
+        for (const std::string& line : linesOf(*result.axes))
+            text += row(std::exchange(name, ""), line);
+    text += fitnessRows(result);
     for (const auto& file : result.files) text += row("written", file);
     return text;
 }

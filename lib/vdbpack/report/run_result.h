@@ -23,6 +23,8 @@
 namespace vdbpack {
 
 class VdbGrid;
+template <int Dim>
+struct PrincipalAxes;
 
 /// What a search for vacancies at sample points found.
 struct VacancySearch {
@@ -89,9 +91,10 @@ nlohmann::ordered_json toJson(const StiffnessResult& result);
 std::string summary(const StiffnessResult& result);
 
 struct ConvertResult {
-    std::string kind;         ///< "spheres", "circles", "level set" or "mesh"
-    std::uint64_t count = 0;  ///< spheres, circles or triangles; of a level set 0
+    std::string kind;         ///< "spheres", "circles", "level set", "mesh", "image" or "shape"
+    std::uint64_t count = 0;  ///< spheres, circles or triangles; of level sets and shapes 0
     std::uint64_t hash = 0;   ///< of a pack, in mm
+    FoundValues found;
     std::vector<std::string> files, warnings;
 };
 
@@ -100,8 +103,9 @@ nlohmann::ordered_json toJson(const ConvertResult& result);
 std::string summary(const ConvertResult& result);
 
 struct ViewResult {
-    std::string kind;         ///< "spheres" or "circles"
-    std::uint64_t count = 0;  ///< of the pack
+    std::string kind;         ///< "spheres", "circles", or "triangles" of a surface
+    std::uint64_t count = 0;  ///< of them
+    FoundValues found;
     std::string file;         ///< the page
     std::uint64_t bytes = 0;  ///< of it
     std::vector<std::string> warnings;
@@ -112,7 +116,8 @@ nlohmann::ordered_json toJson(const ViewResult& result);
 std::string summary(const ViewResult& result);
 
 struct MeshResult {
-    TriangleMesh mesh;                   ///< as it was read, or repaired; mm
+    TriangleMesh mesh;                             ///< as it was read, or repaired; mm
+    std::shared_ptr<const PrincipalAxes<3>> axes;  ///< of what it encloses; null: it is open
     MeshHealth health;                   ///< of the mesh; with `repair`, of the repaired mesh
     std::optional<RepairReport> repair;  ///< contains the health before the repair
     MeshFitness fitness;
@@ -121,8 +126,8 @@ struct MeshResult {
     std::vector<std::string> files;
 };
 
-/// The members of the health, `fit` and `reasons`; `repair` and `files` where there are any;
-/// without a repair `withRepair`, what it would do, null if it is not needed.
+/// The members of the health, `principalAxes`, `fit` and `reasons`; `repair` and `files` where
+/// there are any; without a repair `withRepair`, what it would do, null if it is not needed.
 nlohmann::json toJson(const MeshResult& result);
 std::string summary(const MeshResult& result);
 /// Why a mesh did not pass, a line each.

@@ -1,6 +1,7 @@
 #include "vdbpack/core/symmetric.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/repair/mesh_repair.h"
+#include "vdbpack/report/found_value.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/report/words.h"
 
@@ -334,6 +335,7 @@ std::string summary(const Report& r) {
     const DimensionWords words(r.dim);
     Summary out;
     if (!r.domain.kind.empty()) addDomain(out, r, words);
+    for (const FoundValue& found : r.found) out.line("found", textOf(found));
     addLines(out, "by default", r.chosen);
     addSpheres(out, r, words);
     if (r.contacts) addContacts(out, r, words);

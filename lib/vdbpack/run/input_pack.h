@@ -5,6 +5,7 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/preview/result_picture.h"
+#include "vdbpack/report/found_value.h"
 #include "vdbpack/report/measured_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/stages.h"
@@ -94,6 +95,7 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
         source.emplace(domain, callbacks);
         domain.voxelSize = 0;  // `measure` also takes voxels of spheres from it
         warnOfUnused(domain, *source, callbacks);
+        addThreshold(report.found, source->recipe());
         warnOfUnusedSpacing(recipe.outputs, {&*source}, callbacks);
     }
     report.seconds.mesh += clock.lap();

@@ -188,6 +188,7 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const SourcePtr& source,
     run->voids = prepared.voids;
     run->report.seed = recipe.seed;
     run->report.chosen = prepared.requested.chosen;
+    for (const FoundValue& found : prepared.voids.found) run->report.found.push_back(found);
     run->report.requestedGap = recipe.packing.gap;
     run->clock.lap();
     if constexpr (Dim == 3)

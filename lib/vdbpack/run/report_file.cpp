@@ -36,6 +36,8 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const RunSettings& r
     const auto add = [&](const char* name, const std::string& value) {
         if (!value.empty()) settings.emplace_back(name, value);
     };
+    for (const FoundValue& found : report.found)
+        add((found.option + " found").c_str(), found.value);
     add("radii used", report.requested);
     if (report.domain.voxelSize > 0)
         add("voxels used", fmt::format("{:.10g} mm", report.domain.voxelSize));

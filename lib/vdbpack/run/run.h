@@ -56,7 +56,9 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks = {});
 MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks = {});
 
 /// The whole of `vdb_pack convert`. Packs are neither judged nor changed; solids (a level set, a
-/// mesh) become level sets, fog or surfaces, and a mesh as .stl stays the mesh that it is.
+/// mesh, what `domain` takes of an image, a shape) become level sets, fog or surfaces, and a mesh
+/// as .stl stays the mesh that it is. Where the label of an image names several parts, {part}
+/// in the name of an output becomes the name of each part.
 /// @throws ParameterError (no output, an output that is an input or that there is nothing for),
 /// InputError, IoError, ResourceError
 ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks = {});
@@ -86,7 +88,8 @@ StudyResult runStudy(const std::vector<VoidsRecipe>& cases, const std::vector<st
 /// For people: a line a run, then mean and standard deviation over the runs.
 std::string summary(const StudyResult& study);
 
-/// The whole of `vdb_pack view` but for opening the page. The pack is neither judged nor measured.
+/// The whole of `vdb_pack view` but for opening the page. The pack is neither judged nor measured;
+/// solids are shown as `runConvert` takes solids.
 /// @throws ParameterError, InputError, IoError, ResourceError
 ViewResult runView(const ViewRecipe& recipe, const Callbacks& callbacks = {});
 
@@ -96,7 +99,8 @@ ViewResult runView(const ViewRecipe& recipe, const Callbacks& callbacks = {});
 /// ResourceError
 MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks = {});
 
-/// Reads an image and relates its labels: the whole of `vdb_pack image` (report/image_result.h).
+/// Reads an image, relates its labels, and says what thresholds take: the whole of `vdb_pack image`
+/// (report/image_result.h).
 /// @throws as `readImage`
 ImageResult runImage(const ImageRecipe& recipe, const Callbacks& callbacks = {});
 

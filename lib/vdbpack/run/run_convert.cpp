@@ -6,16 +6,23 @@
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/preview/result_picture.h"
+#include "vdbpack/run/given_solid.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/solid_stage.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace vdbpack {
 
 namespace {
+
+const char* const kGenerator = "vdb_pack " VDBPACK_VERSION;
 
 /// Refuses outputs for which spheres without a domain have nothing.
 void checkWithoutDomain(const ConvertRecipe& recipe, const Callbacks& callbacks) {
@@ -40,6 +47,7 @@ void checkWithoutDomain(const ConvertRecipe& recipe, const Callbacks& callbacks)
 template <int Dim>
 void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& result,
                  const Callbacks& callbacks) {
+    requireDomain(recipe);
     checkOutputKinds(recipe.outputs, RunKind::convert, {}, Dim);
     checkWithoutDomain(recipe, callbacks);
     RunOutputs<Dim> have;
@@ -47,7 +55,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     PackWriteOptions& write = have.options;
     write.unit = recipe.outUnit;
     write.images = recipe.images;
-    write.generator = std::string("vdb_pack ") + VDBPACK_VERSION;
+    write.generator = kGenerator;
     write.bonds = bondOptionsOf(recipe);
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
     const auto source = domainAround(recipe.domain, Dim, callbacks);
@@ -89,23 +97,8 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         result.files.push_back(recipe.preview.file);
 }
 
-/// The solid as a level set; a mesh in voxels as requested, else as many as are usual.
-std::shared_ptr<const VdbGrid> levelSetOf(const ConvertRecipe& recipe, bool isMesh,
-                                          const Callbacks& callbacks) {
-    if (!isMesh) return levelSetGrid(recipe.pack, recipe.packGrid, 1, recipe.packUnit);
-    DomainRecipe solid;
-    solid.source = recipe.pack;
-    solid.unit = recipe.packUnit;
-    solid.space = recipe.domain.space;
-    double voxel = recipe.domain.voxelSize;
-    return fieldOfMesh(std::move(solid), 0, recipe, voxel, callbacks)->grid();
-}
-
-/// Refuses what needs spheres.
+/// Refuses what needs spheres, and a single file of what several parts are in.
 void requireNoSpheres(const ConvertRecipe& recipe) {
-    if (!recipe.domain.source.empty())
-        throw ParameterError("`domain` " + recipe.domain.source + ": goes with a pack, and " +
-                             recipe.pack + " is a solid; leave it out");
     if (!recipe.grey.empty())
         throw ParameterError("`samples` are taken over spheres, and " + recipe.pack +
                              " holds none; leave them out");
@@ -118,43 +111,86 @@ void requireNoSpheres(const ConvertRecipe& recipe) {
                                  " has none; write .stl, .vdb or fog:FILE.vdb");
 }
 
-/// A level set or a mesh.
-void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Callbacks& callbacks) {
-    const std::string generator = std::string("vdb_pack ") + VDBPACK_VERSION;
-    RunOutputs<3> have;
-    have.options.unit = recipe.outUnit;
-    have.options.generator = generator;
-    const bool isMesh = extensionOf(recipe.pack) != ".vdb";
-    std::optional<TriangleMesh> mesh;
-    result.kind = isMesh ? "mesh" : "level set";
-    if (isMesh) {
-        MeshReadOptions read;
-        read.unit = recipe.packUnit;
-        read.space = recipe.domain.space;
-        mesh = readMesh(recipe.pack, read, callbacks);
-        result.count = mesh->triangles.size();
-    }
-    requireNoSpheres(recipe);
-    for (const OutputTarget& output : recipe.outputs) {
-        callbacks.report("write", 0, 0);
-        // A mesh needs no detour over voxels.
-        if (isMesh && output.extension() == ".stl") {
-            writeStl(*mesh, output.file, recipe.outUnit, generator);
-            result.files.push_back(output.file);
-            continue;
-        }
-        if (have.options.levelSets.empty())
-            have.options.levelSets = {levelSetOf(recipe, isMesh, callbacks)};
-        const auto written = writeOutput(output, have);
-        result.files.insert(result.files.end(), written.begin(), written.end());
-    }
-    if (recipe.preview.file.empty()) return;
-    if (!isMesh) mesh = levelSetMesh(*levelSetOf(recipe, isMesh, callbacks), recipe.pack);
-    PreviewOptions preview = recipe.preview;
-    preview.space = recipe.domain.space;
-    drawGiven(preview, recipe.pack, *mesh);
-    result.files.push_back(recipe.preview.file);
+bool isForEach(const std::string& name) {
+    return name.find("{part}") != std::string::npos;
 }
+
+/// A name with that of a part in place of {part}.
+std::string nameFor(const std::string& name, std::string part) {
+    std::replace(part.begin(), part.end(), '/', '-');
+    return withOption(name, "part", part);
+}
+
+/// A mesh, an image, a level set or a shape; of an image several labels.
+class SolidConversion {
+public:
+    SolidConversion(const ConvertRecipe& recipe, ConvertResult& result, const Callbacks& callbacks)
+        : recipe_(recipe), result_(result), callbacks_(callbacks) {
+        requireNoSpheres(recipe);
+        solids_ = givenSolids(recipe, result.found, callbacks);
+        const DomainSource& first = solids_.front().source();
+        result.kind = isImage(first.recipe()) ? "image"
+                      : first.levelSet()      ? "level set"
+                      : first.mesh()          ? "mesh"
+                                              : "shape";
+        if (first.mesh() && !first.levelSet())
+            for (const GivenSolid& solid : solids_)
+                result.count += solid.source().mesh()->triangles.size();
+        for (const OutputTarget& output : recipe.outputs)
+            if (solids_.size() > 1 && !isForEach(output.text) && output.kind != OutputKind::contour)
+                throw ParameterError(fmt::format(
+                    "{}: holds one solid, and `label` {} names {} of them; write {{part}} into its "
+                    "name for a file each, or join the labels by +",
+                    output.text, recipe.domain.label, solids_.size()));
+    }
+
+    void write() {
+        for (const OutputTarget& output : recipe_.outputs) {
+            callbacks_.report("write", 0, 0);
+            if (isForEach(output.text))
+                for (GivenSolid& solid : solids_)
+                    write(OutputTarget(nameFor(output.text, solid.name())), solid);
+            else if (solids_.size() == 1)
+                write(output, solids_.front());
+            else
+                writeSurface(output, joinedSurface(solids_));
+        }
+        const PreviewOptions& preview = recipe_.preview;
+        if (preview.file.empty()) return;
+        if (!isForEach(preview.file)) return draw(preview.file, joinedSurface(solids_));
+        for (GivenSolid& solid : solids_)
+            draw(nameFor(preview.file, solid.name()), solid.surface());
+    }
+
+private:
+    void write(const OutputTarget& output, GivenSolid& solid) {
+        if (output.kind == OutputKind::contour) return writeSurface(output, solid.surface());
+        RunOutputs<3> have;
+        have.options.unit = recipe_.outUnit;
+        have.options.generator = kGenerator;
+        have.options.levelSets = {solid.levelSet()};
+        const auto written = writeOutput(output, have);
+        result_.files.insert(result_.files.end(), written.begin(), written.end());
+    }
+    void writeSurface(const OutputTarget& output, const TriangleMesh& mesh) {
+        checkFiles({output}, {}, inputFiles(recipe_));
+        writeStl(mesh, output.file, recipe_.outUnit, kGenerator);
+        result_.files.push_back(output.file);
+    }
+    void draw(const std::string& file, const TriangleMesh& mesh) {
+        PreviewOptions preview = recipe_.preview;
+        preview.file = file;
+        preview.space = recipe_.domain.space;
+        preview.ofPatient = solids_.front().source().isSided();
+        drawGiven(preview, recipe_.pack, mesh);
+        result_.files.push_back(file);
+    }
+
+    const ConvertRecipe& recipe_;
+    ConvertResult& result_;
+    const Callbacks& callbacks_;
+    std::vector<GivenSolid> solids_;
+};
 
 }  // namespace
 
@@ -162,15 +198,14 @@ ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks
     if (recipe.outputs.empty() && recipe.preview.file.empty())
         throw ParameterError(
             "there is nothing to write; name a file in `outputs` or `preview.file`");
-    requireDomain(recipe);
     checkSettings(recipe, RunKind::convert, {}, inputFiles(recipe));
     ConvertResult result;
     std::vector<std::string> warnings;
     const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
     withThreads(recipe.threads, [&] {
-        auto pack = readInputPackUnlessSolid(recipe, heard);
+        auto pack = packUnlessSolid(recipe, heard);
         if (!pack)
-            convertSolid(recipe, result, heard);
+            SolidConversion(recipe, result, heard).write();
         else if (isPlane(*pack))
             convertPack(recipe, asCircles(*pack), result, heard);
         else

@@ -11,6 +11,32 @@
 
 namespace vdbpack {
 
+namespace {
+
+/// Adds what the requested threshold takes of an image, and of a grey one its histogram and what
+/// Otsu's method finds, with and without air.
+void addThresholds(const DomainRecipe& domain, const Image& image, ImageResult& result,
+                   const Callbacks& callbacks) {
+    constexpr std::size_t kBins = 20;
+    const auto take = [&](const Threshold& threshold, const Callbacks& told) {
+        const Threshold found = threshold.of(image, domain.source, told);
+        result.taken.push_back({found, solidFrom(image, *found.value)});
+    };
+    result.isRequested = domain.threshold.has_value();
+    if (domain.threshold) take(*domain.threshold, callbacks);
+    if (result.labels) return;
+    result.histogram = histogramOf(image).coarser(kBins);
+    for (const Threshold& threshold : {Threshold::otsu(), Threshold::otsu(kTissueHu)}) {
+        const double from = *threshold.otsuFrom;
+        const bool isTaken = domain.threshold && domain.threshold->otsuFrom == from;
+        const bool hasAir = result.lowest < kAirHu && result.highest > kTissueHu;
+        if (!isTaken && !result.histogram.counts.empty() && (from < kAirHu || hasAir))
+            take(threshold, {});
+    }
+}
+
+}  // namespace
+
 ImageResult runImage(const ImageRecipe& recipe, const Callbacks& caller) {
     const DomainRecipe& domain = recipe.domain;
     if (!isImage(domain))
@@ -32,7 +58,11 @@ ImageResult runImage(const ImageRecipe& recipe, const Callbacks& caller) {
         std::tie(result.lowest, result.highest) = valueRange(image);
         callbacks.stopIfCancelled();
         result.labels = labelsOf(image);
-        if (result.labels) result.relations = labelRelations(image, *result.labels);
+        if (result.labels) {
+            result.relations = labelRelations(image, *result.labels);
+            result.solids = labelSolids(image, *result.labels);
+        }
+        addThresholds(domain, image, result, callbacks);
     });
     return result;
 }

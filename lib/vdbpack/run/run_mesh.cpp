@@ -4,6 +4,7 @@
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/mesh_axes.h"
 #include "vdbpack/run/run.h"
 
 namespace vdbpack {
@@ -20,7 +21,10 @@ MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& caller) {
         std::shared_ptr<const RepairReport> repair;
         result.mesh = readDomainMesh(recipe.domain, callbacks, repair);
         const TriangleMesh& mesh = result.mesh;
-        result.health = checkMesh(mesh);
+        const MeshAnalysis analysis = analyzeMesh(mesh);
+        result.health = analysis.health;
+        if (const auto axes = principalAxes(mesh, analysis))
+            result.axes = std::make_shared<const PrincipalAxes<3>>(*axes);
         if (repair) result.repair = *repair;
         const DomainRecipe& domain = recipe.domain;
         result.fitness = repair ? fitnessOf(mesh, *repair, domain, callbacks)

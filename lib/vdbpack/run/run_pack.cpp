@@ -82,10 +82,11 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
     const double height = prepared.built.sliceHeight;
     RunVoids<Dim>& voids = prepared.voids;
     voids.recipe = recipe.voids;
+    takeLongAxis(voids, source, prepared.built);
     voids.largestRadius = prepared.requested.largest() * radii.scale;
     voids.shell = shellOver(recipe.voids, domain.bounds(), height);
     if (voids.areCut())
-        checkRoom(VoidSetting<Dim>{recipe.voids,
+        checkRoom(VoidSetting<Dim>{voids.recipe,
                                    domain,
                                    height,
                                    recipe.seed,

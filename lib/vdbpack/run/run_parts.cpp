@@ -213,6 +213,10 @@ public:
         }
         all_.interrupted = all_.interrupted || r.interrupted;
         all_.requestedGap = std::max(all_.requestedGap, r.requestedGap);
+        for (FoundValue found : r.found) {
+            found.part = recipe.name;
+            all_.found.push_back(std::move(found));
+        }
         for (const std::string& text : r.chosen) all_.chosen.push_back(recipe.name + ": " + text);
         // The first ones were there before.
         for (std::size_t w = begun_; w < r.warnings.size(); ++w)

@@ -1,9 +1,13 @@
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/preview/result_picture.h"
+#include "vdbpack/report/found_value.h"
 #include "vdbpack/report/markup.h"
 #include "vdbpack/report/page_frame.h"
+#include "vdbpack/run/given_solid.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/run.h"
@@ -19,6 +23,9 @@ namespace vdbpack {
 
 namespace {
 
+/// Triangles of the solids in a page, which has some 12 bytes a triangle.
+constexpr std::size_t kMostTriangles = 600'000;
+
 /// Pages are passed on: they do not name folders.
 std::string fileNameOf(const std::string& path) {
     return std::filesystem::path(filePart(path)).filename().string();
@@ -31,21 +38,25 @@ std::string stemOf(const std::string& pack) {
     return end == std::string::npos ? name : name.substr(0, end);
 }
 
-std::string pageOf(const ViewRecipe& recipe, const std::string& things, std::size_t count,
-                   const RadiusStatistics& radius, const PagePicture& picture) {
+/// Writes the page, and tells so in the result, which has kind and count.
+/// @param facts  about what is shown, for a line under the title
+void writePage(const ViewRecipe& recipe, const std::string& facts, const PagePicture& picture,
+               ViewResult& result) {
     const std::string title =
-        fmt::format("{}: {} {}", fileNameOf(recipe.pack), grouped(count), things);
-    const std::string wall =
-        recipe.domain.source.empty() ? "" : ", wall of " + fileNameOf(recipe.domain.source);
-    std::string main = "<h1>" + escaped(title) + "</h1>\n<p class='under'>" +
-                       escaped(fmt::format("vdb_pack {}; radius {:.4g} to {:.4g} mm{}; lengths in "
-                                           "mm",
-                                           VDBPACK_VERSION, radius.min, radius.max, wall)) +
-                       "</p>\n" + pictureFigure(picture);
+        fmt::format("{}: {} {}", fileNameOf(recipe.pack), grouped(result.count), result.kind);
+    std::string main =
+        "<h1>" + escaped(title) + "</h1>\n<p class='under'>" +
+        escaped(fmt::format("vdb_pack {}; {}; lengths in mm", VDBPACK_VERSION, facts)) + "</p>\n" +
+        pictureFigure(picture);
     if (!recipe.command.empty())
         main += "<details><summary>How this page was made</summary><pre>vdb_pack " +
                 escaped(recipe.command) + "</pre></details>\n";
-    return htmlPage(title, picture.viewStyle, main);
+    const std::string page = htmlPage(title, picture.viewStyle, main);
+    OutputFile file(recipe.reportFile);
+    file.write(page);
+    file.commit();
+    result.file = recipe.reportFile;
+    result.bytes = page.size();
 }
 
 template <int Dim>
@@ -71,12 +82,43 @@ void view(const ViewRecipe& recipe, const DomainRecipe& domain, const Pack<Dim>&
     callbacks.stopIfCancelled();
     result.kind = Measure<Dim>::kSpheres;
     result.count = pack.spheres.size();
-    const std::string page = pageOf(recipe, result.kind, pack.spheres.size(), radius, picture);
-    OutputFile file(recipe.reportFile);
-    file.write(page);
-    file.commit();
-    result.file = recipe.reportFile;
-    result.bytes = page.size();
+    const std::string wall =
+        recipe.domain.source.empty() ? "" : ", wall of " + fileNameOf(recipe.domain.source);
+    writePage(recipe, fmt::format("radius {:.4g} to {:.4g} mm{}", radius.min, radius.max, wall),
+              picture, result);
+}
+
+/// The surface of a solid, coarser where it has more triangles than its share of a page.
+TriangleMesh shownSurface(GivenSolid& solid, std::size_t most, std::string& words) {
+    TriangleMesh mesh = solid.surface();
+    const double size = length(mesh.bounds().size());
+    for (double voxel = size / 500; mesh.triangles.size() > most; voxel *= 1.3) {
+        mesh = levelSetMesh(*solid.levelSet(voxel), solid.name());
+        words = fmt::format("; the surface as a contour in voxels of {:.2g} mm", voxel);
+    }
+    return mesh;
+}
+
+void viewSolids(const ViewRecipe& recipe, ViewResult& result, const Callbacks& callbacks) {
+    std::vector<GivenSolid> solids = givenSolids(recipe, result.found, callbacks);
+    TriangleMesh surface;
+    std::vector<std::pair<std::string, std::size_t>> parts;
+    std::string words;
+    for (GivenSolid& solid : solids) {
+        const TriangleMesh mesh = shownSurface(solid, kMostTriangles / solids.size(), words);
+        parts.emplace_back(solid.name(), mesh.triangles.size());
+        append(surface, mesh);
+    }
+    callbacks.stopIfCancelled();
+    PagePicture picture = drawSolid(recipe.preview, recipe.pack, surface, callbacks);
+    addView(recipe.preview, surface, parts, picture);
+    const Vec<3> size = surface.bounds().size();
+    result.kind = "triangles";
+    result.count = surface.triangles.size();
+    std::string facts =
+        fmt::format("{:.4g} x {:.4g} x {:.4g} mm{}", size[0], size[1], size[2], words);
+    for (const FoundValue& found : result.found) facts += "; " + textOf(found);
+    writePage(recipe, facts, picture, result);
 }
 
 }  // namespace
@@ -87,21 +129,18 @@ ViewResult runView(const ViewRecipe& asked, const Callbacks& callbacks) {
     if (!isPage(recipe.reportFile))
         throw ParameterError(recipe.reportFile +
                              ": a view is a page for the browser; name it .html");
-    requireDomain(recipe);
-    if (recipe.domain.source.empty() && !recipe.domain.gridName.empty())
-        throw ParameterError("`gridName` " + recipe.domain.gridName +
-                             ": names a level set of the `domain`, and there is none; set it");
     recipe.preview.file.clear();
     checkSettings(recipe, RunKind::convert, {}, inputFiles(recipe));
     ViewResult result;
     std::vector<std::string> warnings;
     const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
     withThreads(recipe.threads, [&] {
-        const std::optional<Pack<3>> read = readInputPackUnlessSolid(recipe, heard);
-        if (!read)
-            throw InputError(recipe.pack +
-                             ": is a mesh or a level set, and a view shows spheres. Fill it "
-                             "(vdb_pack pack), or show it around a pack with `domain`");
+        const std::optional<Pack<3>> read = packUnlessSolid(recipe, heard);
+        if (!read) return viewSolids(recipe, result, heard);
+        requireDomain(recipe);
+        if (recipe.domain.source.empty() && !recipe.domain.gridName.empty())
+            throw ParameterError("`gridName` " + recipe.domain.gridName +
+                                 ": names a level set of the `domain`, and there is none; set it");
         const Pack<3>& pack = *read;
         const DomainRecipe domain = domainOf(recipe, pack);
         if (isPlane(pack))

@@ -11,6 +11,7 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/morphometry/solid_image.h"
 #include "vdbpack/measure/morphometry/sphere_image.h"
+#include "vdbpack/report/found_value.h"
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/input_pack.h"
 
@@ -80,6 +81,7 @@ struct SolidGrid {
     std::vector<std::uint8_t> solid{};
     ImageGrid image{};
     bool isWholeImage = false;
+    FoundValues found{};
 
     double pitch() const { return voxel > 0 ? voxel : voxelSizeOf(*grid); }
 };
@@ -119,6 +121,8 @@ DomainRecipe imageSolid(const MeasureRecipe& recipe, SolidGrid& found, const Cal
     }
     Image image = readDomainImage(solid, callbacks);
     if (image.isSpaced) warnOfSpacing(solid, true, callbacks);
+    if (solid.threshold) solid.threshold = solid.threshold->of(image, solid.source, callbacks);
+    addThreshold(found.found, solid);
     const bool ownVoxels = !(found.voxel > 0);
     if (recipe.domain.source.empty()) takeWhole(solid, image, ownVoxels, found);
     const Vec<3> spacing = image.grid.spacing();
@@ -145,8 +149,8 @@ void warnOfNoImage(const MeasureRecipe& recipe, const Callbacks& callbacks) {
         callbacks.warn("`label` " + solid.label + " has no effect: " + solid.source +
                        " is no image");
     if (solid.threshold)
-        callbacks.warn(fmt::format("`threshold` {:g} has no effect: {} is no image",
-                                   *solid.threshold, solid.source));
+        callbacks.warn(fmt::format("`threshold` {} has no effect: {} is no image",
+                                   solid.threshold->text(), solid.source));
 }
 
 SolidGrid readSolid(const MeasureRecipe& recipe, const Callbacks& callbacks) {
@@ -168,7 +172,9 @@ SolidGrid readSolid(const MeasureRecipe& recipe, const Callbacks& callbacks) {
         quiet.warning = nullptr;
     }
     const double images = recipe.domain.source.empty() ? 1 : kWalledVoxel;
-    const auto field = fieldOfMesh(std::move(solid), images, recipe, found.voxel, quiet);
+    TriangleMesh mesh = *DomainSource(solid, quiet).mesh();
+    const auto field =
+        fieldOfMesh(std::move(mesh), std::move(solid), images, recipe, found.voxel, quiet);
     found.grid = field->grid();
     if (!found.isWholeImage) {
         found.volume = field->volume();
@@ -228,23 +234,18 @@ void takeVolumes(const MeasureRecipe& recipe, const SolidGrid& solid, const Doma
 
 }  // namespace
 
-std::shared_ptr<const MeshDomain> fieldOfMesh(DomainRecipe solid, double images,
+std::shared_ptr<const MeshDomain> fieldOfMesh(TriangleMesh mesh, DomainRecipe solid, double images,
                                               const RunSettings& settings, double& voxel,
                                               const Callbacks& callbacks) {
     constexpr double kVoxelsAcross = 256;
+    const Vec<3> size = mesh.bounds().size();
+    if (!(voxel > 0)) voxel = *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross;
     solid.voxelSize = voxel;
-    std::optional<DomainSource> source(std::in_place, solid, callbacks);
-    const Vec<3> size = source->fileBounds().size();
-    if (!(voxel > 0)) {
-        voxel = *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross;
-        solid.voxelSize = voxel;
-        TriangleMesh mesh = *source->mesh();
-        source.emplace(solid, std::move(mesh), Callbacks{});
-    }
-    Extent extent = extentOf(*source, voxel, voxel);
+    const DomainSource source(solid, std::move(mesh), Callbacks{});
+    Extent extent = extentOf(source, voxel, voxel);
     extent.imageVoxels = images * size[0] * size[1] * size[2] / (voxel * voxel * voxel);
     requireResources(extent, settings);
-    return source->build(voxel, voxel, callbacks).mesh;
+    return source.build(voxel, voxel, callbacks).mesh;
 }
 
 bool isImageSolid(const MeasureRecipe& recipe) {
@@ -265,6 +266,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     SolidGrid solid = readSolid(recipe, callbacks);
     report.seconds.mesh = clock.lap();
     const auto total = totalVolume(recipe, solid, callbacks);
+    report.found = solid.found;
     if (total) report.domain = total->facts();
     report.seconds.domain = clock.lap();
     callbacks.stopIfCancelled();

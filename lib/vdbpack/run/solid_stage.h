@@ -9,10 +9,10 @@
 
 namespace vdbpack {
 
-/// The field of a mesh or an image.
+/// The field of a mesh, of a file or made of an image. @param solid  how it was read
 /// @param images  of as many voxels that are made of it. @param voxel  mm; if 0, set to 1/256 of
 /// the longest side.
-std::shared_ptr<const MeshDomain> fieldOfMesh(DomainRecipe solid, double images,
+std::shared_ptr<const MeshDomain> fieldOfMesh(TriangleMesh mesh, DomainRecipe solid, double images,
                                               const RunSettings& settings, double& voxel,
                                               const Callbacks& callbacks);
 

@@ -4,6 +4,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/distributed/rank_measures.h"
 #include "vdbpack/domain/intersection_domain.h"
+#include "vdbpack/domain/long_axis.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/output_target.h"
@@ -14,6 +15,7 @@
 #include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/report/densified_pack.h"
+#include "vdbpack/report/found_value.h"
 #include "vdbpack/report/measured_pack.h"
 #include "vdbpack/voids/local_values.h"
 #include "vdbpack/voids/shell_field.h"
@@ -83,6 +85,14 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
     for (const OutputTarget& output : settings.outputs)
         if (sources.size() == 1 && !hasPack && output.labels == "parts")
             throw ParameterError(output.text + ": there is one part alone; leave it out");
+    for (const DomainSource* source : sources) {
+        FoundValues found;
+        addThreshold(found, source->recipe());
+        for (FoundValue& each : found) {
+            if (sources.size() > 1) each.part = source->recipe().source;
+            report.found.push_back(std::move(each));
+        }
+    }
     for (const DomainSource* source : sources)
         if (source->imageGrid())
             report.axes = source->recipe().space == ImageSpace::ras ? "RAS" : "LPS";
@@ -106,6 +116,20 @@ Report begunReport(const RunSettings& settings, const char* task, const std::str
 }
 
 template <int Dim>
+void takeLongAxis(RunVoids<Dim>& voids, const DomainSource& source,
+                  const DomainSource::Built& built) {
+    VoidShapeRecipe* const shape = shapeOf(voids.recipe);
+    if (!shape || !shape->orientation.axis || !shape->orientation.axis->isLong) return;
+    const Vec<Dim> axis = longAxis<Dim>(source, built);
+    std::string text;
+    for (const double component : axis.c)
+        text += fmt::format("{}{:.6g}", text.empty() ? "" : ",",
+                            std::round(1e6 * component) / 1e6 + 0.0);
+    voids.found.push_back({"void-axis", shape->orientation.axis->text, text});
+    shape->orientation.axis = VoidAxis::parse(text);
+}
+
+template <int Dim>
 void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reach,
                  double voxelSize) {
     const VoidRecipe& voids = run.voids.recipe;
@@ -115,6 +139,8 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
     run.built = run.source->build(detail, reach, run.callbacks, voxelSize);
     run.report.seconds.domain = run.clock.lap();
     run.callbacks.stopIfCancelled();
+    takeLongAxis(run.voids, *run.source, run.built);
+    for (const FoundValue& found : run.voids.found) run.report.found.push_back(found);
     const Box<Dim> bounds = run.domain().bounds();
     run.voids.shell = shellOver(voids, bounds, run.built.sliceHeight);
     if (run.cuts()) checkRoom(voidSetting(run, run.callbacks), false);
@@ -312,12 +338,13 @@ void measureStage(Run<Dim>& run) {
     if (run.report.interrupted && !run.keepsPack) throw Interrupted();
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                 \
-    template void domainStage(Run<Dim>&, const Extent&, double, double, double); \
-    template void densifyStage(Run<Dim>&, DensifyOptions);                       \
-    template void settleStage(Run<Dim>&, double);                                \
-    template void cutStage(Run<Dim>&, bool);                                     \
-    template SphereRows rowsOf(const Run<Dim>&);                                 \
+#define VDBPACK_INSTANTIATE(Dim)                                                                 \
+    template void takeLongAxis(RunVoids<Dim>&, const DomainSource&, const DomainSource::Built&); \
+    template void domainStage(Run<Dim>&, const Extent&, double, double, double);                 \
+    template void densifyStage(Run<Dim>&, DensifyOptions);                                       \
+    template void settleStage(Run<Dim>&, double);                                                \
+    template void cutStage(Run<Dim>&, bool);                                                     \
+    template SphereRows rowsOf(const Run<Dim>&);                                                 \
     template void measureStage(Run<Dim>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

@@ -64,6 +64,7 @@ struct RunVoids {
     double largestRadius = 0;                       ///< of the spheres there are or will be, mm
     std::function<double(const Vec<Dim>&)> bvtv{};  ///< by place; empty: the same everywhere
     ShellThickness shell{};                         ///< by place; uniform: thickness of the recipe
+    FoundValues found{};                            ///< for words of the recipe
     MadeVoids<Dim> made{};
 
     bool areCut() const { return !recipe.empty() || recipe.hasShell(); }
@@ -199,6 +200,11 @@ Report begunReport(const RunSettings& settings, const char* task, const std::str
 template <int Dim>
 void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reach,
                  double voxelSize = 0);
+
+/// Gives voids along the long axis of the domain their direction. @throws as `longAxis`
+template <int Dim>
+void takeLongAxis(RunVoids<Dim>& voids, const DomainSource& source,
+                  const DomainSource::Built& built);
 
 /// @param options  fraction, gap and mixSizes; the others follow from the run.
 template <int Dim>

@@ -42,6 +42,19 @@ void addView(const PreviewOptions& recipe, const DomainSource* source,
     picture.view = std::move(view.body);
 }
 
+void addView(const PreviewOptions& recipe, const TriangleMesh& surface,
+             const std::vector<std::pair<std::string, std::size_t>>& solids, PagePicture& picture) {
+    ViewOptions options{recipe};
+    options.large = true;
+    options.mostTriangles = surface.triangles.size();
+    ViewScene<3> scene;
+    scene.wall = &surface;
+    scene.solids = solids;
+    ViewMarkup view = viewOf(scene, options);
+    picture.viewStyle = std::move(view.style);
+    picture.view = std::move(view.body);
+}
+
 template void addView<2>(const PreviewOptions&, const DomainSource*, const DomainSource::Built&,
                          const Pack<2>&, const TriangleMesh*, bool, PagePicture&);
 template void addView<3>(const PreviewOptions&, const DomainSource*, const DomainSource::Built&,

@@ -6,6 +6,11 @@
 #include "vdbpack/preview/preview.h"
 #include "vdbpack/report/page_frame.h"
 
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace vdbpack {
 
 /// Adds a view of a pack, with the colors and the cut of the picture at first.
@@ -15,5 +20,10 @@ template <int Dim>
 void addView(const PreviewOptions& recipe, const DomainSource* source,
              const DomainSource::Built& built, const Pack<Dim>& pack, const TriangleMesh* wall,
              bool large, PagePicture& picture);
+
+/// The same of solids. @param surface  of all, in the order of `solids`, each with a name and its
+/// number of triangles
+void addView(const PreviewOptions& recipe, const TriangleMesh& surface,
+             const std::vector<std::pair<std::string, std::size_t>>& solids, PagePicture& picture);
 
 }  // namespace vdbpack

@@ -31,11 +31,13 @@ std::string plainJson(const nlohmann::ordered_json& json) {
 
 template <int Dim>
 ViewMarkup viewOf(const ViewScene<Dim>& scene, const ViewOptions& options) {
-    const std::string classes =
-        std::string(Dim == 3 ? "in-space" : "in-plane") + (options.large ? " view-large" : "");
+    const std::string classes = std::string(Dim == 3 ? "in-space" : "in-plane") +
+                                (scene.pack ? "" : " of-solids") +
+                                (options.large ? " view-large" : "");
     return {kViewStyle, fmt::format(fmt::runtime(kViewMarkup), fmt::arg("classes", classes),
-                                    fmt::arg("label", Dim == 3 ? "Spheres that can be turned"
-                                                               : "Circles that can be moved"),
+                                    fmt::arg("label", !scene.pack ? "Solids that can be turned"
+                                                      : Dim == 3  ? "Spheres that can be turned"
+                                                                  : "Circles that can be moved"),
                                     fmt::arg("facts", plainJson(viewData(scene, options))),
                                     fmt::arg("script", kViewScript))};
 }

@@ -1,4 +1,4 @@
-// A pack as a part of a page that a browser turns, zooms and cuts.
+// A pack, or solids, as a part of a page that a browser turns, zooms and cuts.
 #pragma once
 
 #include "vdbpack/core/box.h"
@@ -9,17 +9,21 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace vdbpack {
 
 /// Nothing is copied: all members must outlive the call.
 template <int Dim>
 struct ViewScene {
-    const Pack<Dim>* pack = nullptr;
+    const Pack<Dim>* pack = nullptr;     ///< null: the solids inside the wall are shown
     const TriangleMesh* wall = nullptr;  ///< in space: around the spheres; null: none
-    double wallVoxel = 0;                ///< mm, of a wall that is a coarse contour; 0: it is none
-    const PlaneField* field = nullptr;   ///< in the plane: distances to the wall; null: none
-    Box<Dim> bounds;                     ///< shown in addition to the spheres, mm; may be empty
+    /// Without a pack: name and number of triangles of each solid, in the order of the wall.
+    std::vector<std::pair<std::string, std::size_t>> solids{};
+    double wallVoxel = 0;               ///< mm, of a wall that is a coarse contour; 0: it is none
+    const PlaneField* field = nullptr;  ///< in the plane: distances to the wall; null: none
+    Box<Dim> bounds;                    ///< shown in addition to the spheres, mm; may be empty
 };
 
 /// With the colors and the cut of a picture at first.
@@ -45,6 +49,7 @@ struct ViewMarkup {
 /// out: columns beyond `mostBytes`, a wall beyond `mostTriangles`.
 ///
 /// Cost: about a second of processor time for a million spheres.
+/// Solids are opaque, and filled where they are cut; several have a color each.
 /// @throws ParameterError for an empty pack, centers and radii that are not finite, or a cut that
 /// misses the scene.
 template <int Dim>

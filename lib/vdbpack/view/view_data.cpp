@@ -218,6 +218,15 @@ void addWall(const ViewScene<3>& scene, const ViewOptions& options, Json& facts,
     facts["wall"] = {{"points", packedPoints(mesh.vertices)}, {"corners", packedNumbers(corners)}};
 }
 
+/// Names, colors and numbers of corners of the solids that the wall surrounds.
+void addSolids(const std::vector<std::pair<std::string, std::size_t>>& solids, Json& facts) {
+    facts["columns"] = Json::array();
+    Json& all = facts["solids"] = Json::array();
+    const Json colors = bytesOf(kindColors(), solids.size());
+    for (const auto& [name, triangles] : solids)
+        all.push_back({{"name", name}, {"corners", 3 * triangles}, {"color", colors[all.size()]}});
+}
+
 /// The zero line of a field as line segments, two ends each, mm (marching squares).
 std::vector<Vec<2>> contourLines(const PlaneField& field) {
     std::vector<Vec<2>> ends;
@@ -255,7 +264,7 @@ void addWall(const ViewScene<2>& scene, const ViewOptions&, Json& facts, std::st
 template <int Dim>
 Box<3> boundsOf(const ViewScene<Dim>& scene) {
     Box<3> bounds;
-    for (const Box<Dim>& box : {boundsOf(*scene.pack), scene.bounds})
+    for (const Box<Dim>& box : {scene.pack ? boundsOf(*scene.pack) : Box<Dim>{}, scene.bounds})
         if (!box.empty()) {
             bounds.add(inSpace(box.lo));
             bounds.add(inSpace(box.hi));
@@ -294,8 +303,9 @@ Json packedNumbers(const std::vector<double>& values) {
 
 template <int Dim>
 Json viewData(const ViewScene<Dim>& scene, const ViewOptions& options) {
-    const Pack<Dim>& pack = *scene.pack;
-    if (pack.spheres.empty())
+    const Pack<Dim> none;
+    const Pack<Dim>& pack = scene.pack ? *scene.pack : none;
+    if (scene.pack && pack.spheres.empty())
         throw ParameterError("view: the pack is empty; give one with spheres");
     const Box<3> bounds = boundsOf(scene);
     std::string words;
@@ -314,7 +324,10 @@ Json viewData(const ViewScene<Dim>& scene, const ViewOptions& options) {
     const std::vector<std::uint32_t> rows = shownRows(pack.spheres.size(), options.mostSpheres);
     addSpheres(pack.spheres, rows, facts, words);
     addWall(scene, options, facts, words);
-    addColumns(pack, rows, options.mostBytes, facts, words);
+    if (scene.pack)
+        addColumns(pack, rows, options.mostBytes, facts, words);
+    else
+        addSolids(scene.solids, facts);
     facts["words"] = words;
     return facts;
 }

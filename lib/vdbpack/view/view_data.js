@@ -67,8 +67,10 @@ async function sceneOf(facts, properties) {
     async part => ({...part, numbers: await wholeNumbers(part)})));
   return {
     plane, middle, half, size: Math.hypot(...half), count: spheres.length / 4, spheres,
-    smallest: properties[3].lo,
-    optical: cubes / squares,  // the radius that sets how far one looks into a pack
+    // Of solids, which have no spheres, lengths that suit their size.
+    solids: facts.solids, smallest: facts.solids ? 1e-4 * Math.hypot(...half) : properties[3].lo,
+    // The radius that sets how far one looks into a pack.
+    optical: facts.solids ? 0.006 * Math.hypot(...half) : cubes / squares,
     wall: facts.wall && {points: joined(parts, middle),
       corners: corners && Uint32Array.from(await wholeNumbers(corners))}
   };

@@ -105,6 +105,7 @@ class Drawing {
   }
   /** Draws every `skip`-th of the spheres from `first` on, enlarged to fill some of the gaps. */
   drawSpheres(look, first, count, skip = 1) {
+    if (count === 0) return;
     const {gl, spheres, colors} = this, place = this.use('spheres', look, {spheres, colors});
     gl.bindVertexArray(this.array);
     gl.uniform2f(place('size'), this.width, this.height);
@@ -115,13 +116,15 @@ class Drawing {
     gl.drawArrays(gl.TRIANGLES, 0, 3 * Math.ceil(count / skip));
   }
   drawWall(look) {
-    const {gl} = this, {wall, plane} = this.scene;
-    if (!look.wall || !wall) return;
+    const {gl} = this, {wall, plane, solids} = this.scene;
+    if (!(look.wall || solids) || !wall) return;
     const place = this.use('wall', look);
+    gl.uniform1i(place('solid'), Boolean(solids));
     gl.uniform3fv(place('bone'), BONE);
     gl.uniform3fv(place('ink'), look.ink);
     gl.uniform1f(place('line'), 1.3 * this.width / gl.canvas.width);
     gl.bindVertexArray(this.wallArray);
+    if (solids) return this.drawSolids(place);
     gl.depthMask(false);
     if (plane) return gl.drawArrays(gl.LINES, 0, wall.points.length / 3);
     gl.enable(gl.BLEND);
@@ -134,6 +137,17 @@ class Drawing {
     }
     gl.disable(gl.CULL_FACE);
     gl.disable(gl.BLEND);
+  }
+
+  /** Draws the parts of the wall that solids have, each in its color. */
+  drawSolids(place) {
+    const {gl} = this, {solids} = this.scene;
+    let first = 0;
+    for (const {corners, color} of solids) {
+      if (solids.length > 1) gl.uniform3fv(place('bone'), color.map(c => c / 255));
+      gl.drawElements(gl.TRIANGLES, corners, gl.UNSIGNED_INT, 4 * first);
+      first += corners;
+    }
   }
 
   /** Draws while the camera moves: about `budget` spheres at most. */

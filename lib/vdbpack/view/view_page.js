@@ -85,6 +85,7 @@ class View {
     this.resize();
     this.home();
     this.setColor(Math.max(0, this.properties.findIndex(p => p.name === facts.color)));
+    if (scene.solids) this.showSolids(scene.solids);
     this.listen();
     this.tick();
   }
@@ -184,6 +185,11 @@ class View {
     this.drawing.setColors(this.colors);
     this.showLegend(property);
     this.change();
+  }
+  showSolids(solids) {
+    const several = solids.length > 1;
+    this.showLegend({colors: several ? solids.map(s => s.color) : [], names: solids.map(s => s.name),
+      lo: 0, least: 0, most: solids.length});
   }
   showLegend({colors, names, lo, least, most, unit, step, whole}) {
     const bar = (background, className = '') => {

@@ -99,15 +99,23 @@ void main() {
 }
 `;
 
-// The wall is a veil, thicker where it is seen edge-on; a cut draws a line on it.
+// The wall is a veil, thicker where it is seen edge-on; a cut draws a line on it. Of a solid it is
+// opaque: where its inner side is seen, the cut has opened it, and shown is the face of the cut, which
+// alpha 0 keeps from being shaded.
 const WALL_FRAGMENT = SHADER_HEAD + SHADER_LIGHT + `
 uniform vec3 bone, ink;
 uniform float line;  // width of the line of the cut, pixels
+uniform bool solid;
 in vec3 at;
 out vec4 shown;
 void main() {
   vec3 back = -normalize(at), n = normalize(cross(dFdx(at), dFdy(at)));
   float edge = 1.0 - abs(dot(n, back)), side = dot(cut.xyz, at) + cut.w;
+  if (solid) {
+    shown = gl_FrontFacing ? vec4(display(lit(bone * bone, n, back)), 1.0) : vec4(0.9 * bone, 0.0);
+    if (side < 0.0) discard;
+    return;
+  }
   shown = vec4(display(lit(bone * bone, n, back)), 0.05 + 0.5 * edge * edge * edge);
   if (plane || side < line * fwidth(side)) shown = vec4(ink, plane ? 1.0 : 0.9);
   if (!plane && side < 0.0) discard;
@@ -139,11 +147,12 @@ float distanceAt(vec2 x) {
   return 2.0 * f * n / (f + n - z * (f - n));
 }
 void main() {
-  vec3 color = texture(colors, place).rgb;
+  vec4 seen = texture(colors, place);
+  vec3 color = seen.rgb;
   // Depths are read at the middles of their pixels: at edges between them rounding would decide.
   vec2 texel = 1.0 / vec2(textureSize(depths, 0)), here = (floor(place / texel) + 0.5) * texel;
   float own = distanceAt(here);
-  if (!plane && own < 0.999 * range.y) {
+  if (!plane && seen.a > 0.5 && own < 0.999 * range.y) {
     // Each pixel turns the spiral of samples: what is left of it looks like fine grain.
     float turn = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
     // Things count as nearer if they rise above the plane through the pixel's surface.

@@ -145,7 +145,7 @@ private:
 [[noreturn]] void failAxis(const std::string& text, const std::string& what) {
     throw ParameterError(fmt::format(
         "`orientation.axis` '{}': {}; write X,Y,Z (in a plane also X,Y) with finite numbers that "
-        "are not all zero",
+        "are not all zero, or long",
         text, what));
 }
 
@@ -178,6 +178,12 @@ VoidAxis::VoidAxis(const Vec<3>& along)
     : text(fmt::format("{:.6g},{:.6g},{:.6g}", along[0], along[1], along[2])), direction(along) {}
 
 VoidAxis VoidAxis::parse(const std::string& text) {
+    if (text == "long") {
+        VoidAxis axis({});
+        axis.text = text;
+        axis.isLong = true;
+        return axis;
+    }
     const auto numbers = parts(text, ',');
     if (numbers.size() != 3 && numbers.size() != 2)
         failAxis(text, fmt::format("has {} components", numbers.size()));

@@ -49,10 +49,11 @@ struct VoidAngles {
 struct VoidAxis {
     std::string text;
     Vec<3> direction;
-    int components = 3;  ///< 2: of the plane alone
+    int components = 3;   ///< 2: of the plane alone
+    bool isLong = false;  ///< the long axis of the domain, which is not known yet
 
     explicit VoidAxis(const Vec<3>& along);
-    /// "X,Y,Z", or "X,Y" for the plane. @throws ParameterError
+    /// "X,Y,Z", or "X,Y" for the plane, or "long". @throws ParameterError
     static VoidAxis parse(const std::string& text);
 };
 

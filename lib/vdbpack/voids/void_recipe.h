@@ -1,6 +1,7 @@
 // The parameters of voids.
 #pragma once
 
+#include "vdbpack/domain/domain_recipe.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/voids/orientation.h"
 
@@ -64,9 +65,9 @@ struct FoamTargets {
 
 /// An image, level set or mesh of a specimen, whose structure is the target.
 struct SpecimenRecipe {
-    std::string file;                 ///< empty: there is none
-    std::string domain;               ///< total volume; empty: the image, or the box around it
-    std::optional<double> threshold;  ///< of an image: solid from this grey value on
+    std::string file;                    ///< empty: there is none
+    std::string domain;                  ///< total volume; empty: the image, or the box around it
+    std::optional<Threshold> threshold;  ///< of an image: solid from this grey value on
 };
 
 // The methods, with their numbers in the paper that assets/figures/README.md names.
