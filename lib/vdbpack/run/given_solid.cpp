@@ -52,10 +52,9 @@ GivenSolid::GivenSolid(std::string name, std::shared_ptr<const DomainSource> sou
       settings_(settings),
       callbacks_(callbacks) {}
 
-std::shared_ptr<const VdbGrid> GivenSolid::levelSet(double voxel) const {
-    const bool isRequested = voxel > 0;
-    if (!isRequested) voxel = settings_.domain.voxelSize;
-    if (source_->isWhole() && source_->levelSet() && !isRequested) return source_->levelSet();
+std::shared_ptr<const VdbGrid> GivenSolid::levelSet() const {
+    if (source_->isWhole() && source_->levelSet()) return source_->levelSet();
+    double voxel = settings_.domain.voxelSize;
     if (source_->isWhole() && source_->mesh())
         return fieldOfMesh(*source_->mesh(), source_->recipe(), 0, settings_, voxel, callbacks_)
             ->grid();

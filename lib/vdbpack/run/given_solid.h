@@ -29,9 +29,9 @@ public:
     /// The triangles of a file or an image as they are, the faces of a box, or else a contour of
     /// the level set.
     const TriangleMesh& surface();
-    /// That of a file, or one in voxels of `voxel` mm; 0: of the size that was requested, or else
-    /// of 1/256 of the longest side. @throws as DomainSource::build, ResourceError
-    std::shared_ptr<const VdbGrid> levelSet(double voxel = 0) const;
+    /// That of a file, or one in voxels of the size that was requested, or else of 1/256 of the
+    /// longest side. @throws as DomainSource::build, ResourceError
+    std::shared_ptr<const VdbGrid> levelSet() const;
 
 private:
     std::string name_;

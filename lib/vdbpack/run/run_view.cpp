@@ -88,15 +88,25 @@ void view(const ViewRecipe& recipe, const DomainRecipe& domain, const Pack<Dim>&
               picture, result);
 }
 
-/// The surface of a solid, coarser where it has more triangles than its share of a page.
+/// The surface of a solid, of fewer triangles where it has more than its share of a page.
 TriangleMesh shownSurface(GivenSolid& solid, std::size_t most, std::string& words) {
-    TriangleMesh mesh = solid.surface();
-    const double size = length(mesh.bounds().size());
-    for (double voxel = size / 500; mesh.triangles.size() > most; voxel *= 1.3) {
-        mesh = levelSetMesh(*solid.levelSet(voxel), solid.name());
-        words = fmt::format("; the surface as a contour in voxels of {:.2g} mm", voxel);
+    const TriangleMesh& mesh = solid.surface();
+    if (mesh.triangles.size() <= most) return mesh;
+    TriangleMesh coarse;
+    try {
+        const auto levelSet = solid.levelSet();
+        for (const double adaptivity : {0.05, 0.2, 0.5, 1.0}) {
+            coarse = levelSetMesh(*levelSet, solid.name(), adaptivity);
+            if (coarse.triangles.size() <= most) break;
+        }
+        words = fmt::format(
+            "; the surface as a contour in voxels of {:.2g} mm, with triangles of "
+            "different sizes",
+            voxelSizeOf(*levelSet));
+    } catch (const InputError&) {  // an open mesh has no level set
+        return mesh;
     }
-    return mesh;
+    return coarse;
 }
 
 void viewSolids(const ViewRecipe& recipe, ViewResult& result, const Callbacks& callbacks) {
