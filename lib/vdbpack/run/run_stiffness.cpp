@@ -16,7 +16,7 @@ namespace vdbpack {
 namespace {
 
 /// Sides of the range of k_t / k_n that is searched, and how close a Poisson's ratio has to be.
-constexpr double kMostShear = 4, kPoissonError = 5e-4;
+constexpr double kLeastShear = 0.05, kMostShear = 4, kPoissonError = 5e-4;
 constexpr int kMostTries = 12;
 
 /// What the spheres fill, in which cell, and which of them are at its wall.
@@ -71,22 +71,22 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     return result.elasticity ? result.elasticity->isotropicPoisson : 0;
 }
 
-/// Finds the shear ratio for a Poisson's ratio, which falls as it rises, by regula falsi
-/// (Illinois), then scales the moduli.
+/// Finds the shear ratio for a Poisson's ratio, which falls as it rises from `kLeastShear`, by
+/// regula falsi (Illinois), then scales the moduli.
 void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, const BondedBody& body,
          StiffnessResult& result, const Callbacks& callbacks) {
     const auto offAt = [&](double shear) {
         options.law.shearRatio = shear;
         return solve(pack, options, body, result, callbacks) - recipe.wantedPoisson;
     };
-    double low = 0, high = kMostShear, offLow = offAt(low), offHigh = offAt(high);
+    double low = kLeastShear, high = kMostShear, offLow = offAt(low), offHigh = offAt(high);
     if (offLow < -kPoissonError || offHigh > kPoissonError)
         throw ParameterError(
             fmt::format("`bond-modulus-for`: bonds give this pack Poisson's ratios from {:.4f} "
                         "(k_t / k_n {:g}) to "
-                        "{:.4f} (0), but not {:g}; choose one between them",
+                        "{:.4f} ({:g}), but not {:g}; choose one between them",
                         recipe.wantedPoisson + offHigh, kMostShear, recipe.wantedPoisson + offLow,
-                        recipe.wantedPoisson));
+                        kLeastShear, recipe.wantedPoisson));
     double off = offHigh;
     for (int k = 0; k < kMostTries && std::fabs(off) > kPoissonError; ++k) {
         // Between the two, or the one that is right already.
