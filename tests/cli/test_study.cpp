@@ -71,8 +71,7 @@ TEST_CASE("lists of values are refused where runs would replace files, or no tab
     };
     CHECK_THAT(refused("--table " + folder.file("t.csv") + " -o " + folder.file("p.csv")),
                Contains("{gap}"));
-    CHECK_THAT(refused("-o " + folder.file("p.csv")),
-               Contains("--gap") && Contains("--table") && Contains("decimal point"));
+    CHECK_THAT(refused("-o " + folder.file("p.csv")), Contains("--gap") && Contains("--table"));
     CHECK_THAT(refused("--dry-run --table " + folder.file("t.csv")),
                Contains("one value of --gap"));
     CHECK_THAT(vdbPack("carve " + folder.file("p.csv") + " --shell 1,2").text, Contains("1,2"));

@@ -60,6 +60,10 @@ TEST_CASE("misuse is reported with what was meant") {
         {"pack ball:3 --diameter 1", {"--diameter", "--radius SPEC", "half"}},
         {"pack ball:3 --radius uniform:0,5,1", {"'uniform:0,5,1'", "uniform:A,B", "point"}},
         {"pack ball:3 --gap 0,1", {"--gap", "'0,1'", "point: 0.1"}},
+        {"verify p.csv --gap 0,5", {"--gap", "'0,5'", "point: 0.5"}},
+        {"measure p.csv --contact-tol 0,01", {"--contact-tol", "'0,01'", "point: 0.01"}},
+        {"stiffness p.csv --bond-modulus 1,5", {"--bond-modulus", "'1,5'", "point: 1.5"}},
+        {"mesh m.stl --scale 1,5", {"--scale", "'1,5'", "point: 1.5"}},
         {"mesh", {"FILE", "vdb_pack mesh --help"}}};
     for (const Misuse& misuse : misuses) {
         CAPTURE(misuse.arguments);
@@ -85,7 +89,7 @@ TEST_CASE("a file that is not there is reported with the one that was meant") {
 TEST_CASE("verify says what has passed") {
     const TemporaryFolder folder;
     const std::string file = folder.file("p.csv");
-    REQUIRE(vdbPack("pack ball:5 --radius constant:1 --out-unit m -o " + file).code == 0);
+    REQUIRE(vdbPack("pack ball:5 --radius constant:1 -o " + file).code == 0);
     CHECK_THAT(vdbPack("verify " + file + " --domain ball:5").text,
                Contains("passed: overlap and protrusion"));
     CHECK_THAT(vdbPack("verify " + file).text,

@@ -390,3 +390,13 @@ def test_every_public_name_has_a_docstring():
             value = vars(thing)[member]
             if not member.startswith("_") and (callable(value) or isinstance(value, property)):
                 assert (value.__doc__ or "").strip(), f"{name}.{member}"
+
+
+def test_stiffness_of_bonds_is_a_matrix():
+    pack = vdbpack.pack(vdbpack.box(10, 10, 10), radius="uniform:0.6,1")
+    found = vdbpack.stiffness(pack, vdbpack.box(10, 10, 10), contact_tol=0.01, bond_modulus=500)
+    matrix = numpy.array(found["stiffness"])
+    assert matrix.shape == (6, 6)
+    assert numpy.allclose(matrix, matrix.T, atol=1e-3 * matrix.max())
+    assert (numpy.linalg.eigvalsh(0.5 * (matrix + matrix.T)) > 0).all()
+    assert found["bonds"]["count"] > len(pack)

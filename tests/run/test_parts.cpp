@@ -49,9 +49,11 @@ TEST_CASE("labels of an image are packed as parts that no sphere crosses") {
     recipe.domain.source = file;
     recipe.domain.label = "all";
     recipe.targetCount = 3000;
+    recipe.contactTolerance = 0.1;
     const RunResult run = runPack(recipe);
     const auto& pack = std::get<Pack<3>>(run.pack);
     REQUIRE(run.report.parts.size() == 2);
+    CHECK(run.report.contactsBetweenParts > 5);
     CHECK(run.passed);
     CHECK(run.report.count == pack.spheres.size());
     CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.1));
@@ -63,12 +65,14 @@ TEST_CASE("labels of an image are packed as parts that no sphere crosses") {
     writePack(pack, folder.file("p.vtp"));
     auto verify = onPack<VerifyRecipe>(folder.file("p.vtp"));
     verify.domain = recipe.domain;
+    verify.contactTolerance = 0.1;
     const RunResult checked = runVerify(verify);
     CHECK(checked.passed);
     REQUIRE(checked.report.parts.size() == 2);
     CHECK(checked.report.parts[1].count == run.report.parts[1].count);
     CHECK(checked.report.contacts->mean == Approx(run.report.contacts->mean).epsilon(1e-3));
     CHECK(checked.report.contacts->wallContacts > 0);
+    CHECK(checked.report.contactsBetweenParts == run.report.contactsBetweenParts);
     // Each sphere is held against its own part.
     Pack<3> exchanged = pack;
     for (double& part : exchanged.columns.front().numbers) part = 1 - part;

@@ -193,7 +193,7 @@ def stiffness(given: PackLike, domain: Optional[Domain] = None, *, progress: Pro
         the box around the spheres, or the periodic cell. progress: as for `pack`.
     options: those of `vdb_pack stiffness`: contact_tol, bond_modulus (MPa), bond_shear, ...
 
-    `["stiffness"]` has shape (6, 6), MPa, in Voigt's order xx yy zz yz xz xy; `["isotropic"]` has E and nu.
+    `["stiffness"]` has six lists of six numbers, MPa, in Voigt's order xx yy zz yz xz xy; `["isotropic"]` has E and nu.
     """
     return _report(_run("stiffness", _pack_word(given), options, progress, domain))
 

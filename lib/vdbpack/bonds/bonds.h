@@ -17,7 +17,7 @@ struct BondLaw {
     double modulus = 1000;  ///< Young's modulus of spheres without one of their own, MPa, > 0
     /// Of each sphere, MPa, > 0; empty: `modulus` for all.
     std::vector<double> moduli{};
-    double radiusFactor = 1;  ///< radius of a bond divided by that of its smaller sphere, > 0
+    double radiusFactor = 1;  ///< radius of a bond / of its smaller sphere, > 0
     /// k_t / k_n, and torsion to twice the bending stiffness; 0.4 is the G / E of a beam whose
     /// Poisson's ratio is 0.25. At least 0.
     double shearRatio = 0.4;
@@ -26,7 +26,7 @@ struct BondLaw {
 
 /// How the spheres of a pack are bonded.
 struct BondOptions {
-    BondLaw law;              ///< `moduli` are those of the pack, where it has a column modulus_MPa
+    BondLaw law;              ///< a column modulus_MPa of the pack replaces its `moduli`
     double tolerance = 1e-3;  ///< largest gap of bonded spheres, in smaller radii
     /// The same between spheres of two parts, where it is larger; 0: `tolerance`.
     double interfaceTolerance = 0;

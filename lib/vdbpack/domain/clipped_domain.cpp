@@ -205,7 +205,8 @@ bool cutAlongAxes(const std::vector<HalfSpace<Dim>>& planes, Box<Dim>& box) {
 
 InputError nothingLeft() {
     return InputError(
-        "clip: nothing is left of the domain; check the side that the planes keep (n.x <= d)");
+        "clip: nothing is left of the domain; check where the clips lie, and the side that planes "
+        "keep (n.x <= d)");
 }
 
 template <int Dim>

@@ -278,6 +278,19 @@ void checkOutputKinds(const std::vector<OutputTarget>& outputs, RunKind run,
     }
 }
 
+namespace {
+
+template <int Dim>
+void writePairs(const OutputTarget& target, const Pack<Dim>& pack,
+                const PackWriteOptions& options) {
+    if (target.kind == OutputKind::contacts)
+        writeContacts(pack, bondedPairs(pack, options.bonds), target.file, options.unit);
+    else if constexpr (Dim == 3)
+        writeBonds(pack, bondsIn(pack, options.bonds), target.file, options.unit);
+}
+
+}  // namespace
+
 template <int Dim>
 std::vector<std::string> writeOutput(const OutputTarget& target, const RunOutputs<Dim>& have) {
     const std::string& output = target.text;
@@ -292,17 +305,9 @@ std::vector<std::string> writeOutput(const OutputTarget& target, const RunOutput
             writeVoidList(*have.voidList, target.file, have.options.unit, have.sliceHeight);
             break;
         case OutputKind::contacts:
-            need(have.pack != nullptr, "pack");
-            writeContacts(
-                *have.pack,
-                listContacts(have.pack->spheres, have.options.bonds.tolerance, have.pack->cell),
-                target.file, have.options.unit);
-            break;
         case OutputKind::bonds:
             need(have.pack != nullptr, "pack");
-            if constexpr (Dim == 3)
-                writeBonds(*have.pack, bondsIn(*have.pack, have.options.bonds), target.file,
-                           have.options.unit);
+            writePairs(target, *have.pack, have.options);
             break;
         case OutputKind::materials:
             need(have.pack != nullptr, "pack");

@@ -47,7 +47,7 @@ struct PackWriteOptions {
     double particleDensity = 0;
     /// The same by material (`Materials::withoutClass`); other materials have `particleDensity`.
     std::map<std::int32_t, double> materialDensity;
-    BondOptions bonds;  ///< their tolerance is that of pairs in contact, too
+    BondOptions bonds;  ///< the tolerance also decides which pairs are in contact
     /// Drawn around the circles of an .svg, and part of the picture: the bounds of the domain, mm.
     std::optional<Box<2>> frame;
     /// Of a periodic cell, write the images that protrude into it, too (`withImages`), but not for

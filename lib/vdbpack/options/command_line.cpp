@@ -74,10 +74,13 @@ void requireRelated(const Command& command) {
     }
 }
 
+/// @param studies  whether numbers may be lists, in commands that make studies.
 Command commandIn(CLI::App& app, const CommandText& text, PrintOptions& print,
                   bool studies = false) {
     Command command{app.add_subcommand(text.name, text.help), std::make_unique<Job>(text.job), {}};
     command.options = optionsOf(*command.job, print);
+    studies = studies && (std::holds_alternative<PackJob>(text.job) ||
+                          std::holds_alternative<VoidsJob>(text.job));
     for (const Option& option : command.options) add(*command.app, option, studies);
     return command;
 }
@@ -164,19 +167,22 @@ void complete(const Command& command, const std::vector<std::string>& words) {
 /// The options of a command with several values, and these.
 std::vector<std::pair<std::string, std::vector<std::string>>> variedIn(const Command& command) {
     std::vector<std::pair<std::string, std::vector<std::string>>> varied;
-    const auto table = command.app->get_option_no_throw("--table");
+    const auto table = command.app->get_option_no_throw(optionName("table"));
     if (table == nullptr) return varied;
     for (const Option& option : command.options) {
         const auto texts = command.app->get_option(optionName(option.name))->results();
         if (!canVary(option) || texts.empty()) continue;
         const auto values = splitAt(texts.front(), ',');
         if (values.size() < 2) continue;
+        const bool comma = values.size() == 2 && texts.front().find('.') == std::string::npos;
         if (table->count() == 0)
             throw CLI::ValidationError(
                 '`' + option.name + '`',
-                fmt::format("'{}' is a list of {} values for a study; set `table` for its results, "
-                            "or give one number, with a decimal point",
-                            texts.front(), values.size()));
+                fmt::format(
+                    "'{}' is a list of {} values for a study; set `table` for its results, "
+                    "or give one number{}",
+                    texts.front(), values.size(),
+                    comma ? "; decimals have a point: " + values[0] + '.' + values[1] : ""));
         varied.emplace_back(option.name, values);
     }
     return varied;

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/formats/bonded_pack.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/mesh/mesh_sides.h"
 
 #include <fmt/format.h>
@@ -114,6 +115,14 @@ void warnOfWeak(const InterfaceReport& r, const PartPair& pair, const Run<3>& al
 }
 
 }  // namespace
+
+std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance) {
+    const Materials materials(pack);
+    std::uint64_t pairs = 0;
+    for (const Contact& c : listContacts(pack.spheres, tolerance))
+        pairs += materials.partOf(c.i) != materials.partOf(c.j);
+    return pairs;
+}
 
 void measureInterfaces(const Parts& parts, Run<3>& all) {
     if (all.report.interrupted || all.pack.spheres.empty()) return;

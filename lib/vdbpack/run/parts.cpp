@@ -30,7 +30,11 @@ void checkPartsRecipe(const PackRecipe& recipe) {
     refuse(recipe.packing.maxCount > 0, "`maxCount`");
     refuse(recipe.domain.slice.has_value(), "`slice`");
     refuse(recipe.ranks != nullptr, "mpirun");
-    refuse(isPage(recipe.reportFile), "a report page (a .json is written)");
+    if (isPage(recipe.reportFile))
+        throw ParameterError(
+            recipe.reportFile +
+            ": there is no report page of several parts; name it .json, and look at "
+            "the written pack with `vdb_pack view`");
     const bool cut = std::any_of(recipe.parts.begin(), recipe.parts.end(),
                                  [](const auto& part) { return part.voids.makesVoids(); });
     for (const OutputTarget& output : recipe.outputs)

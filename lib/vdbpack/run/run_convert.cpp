@@ -126,8 +126,9 @@ class SolidConversion {
 public:
     SolidConversion(const ConvertRecipe& recipe, ConvertResult& result, const Callbacks& callbacks)
         : recipe_(recipe), result_(result), callbacks_(callbacks) {
-        requireNoSpheres(recipe);
+        // First, what is wrong with the file: it may hold damaged spheres.
         solids_ = givenSolids(recipe, result.found, callbacks);
+        requireNoSpheres(recipe);
         const DomainSource& first = solids_.front().source();
         result.kind = isImage(first.recipe()) ? "image"
                       : first.levelSet()      ? "level set"

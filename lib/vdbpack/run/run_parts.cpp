@@ -326,9 +326,7 @@ void measureJoined(Run<3>& all) {
         ContactCheck contacts = countContacts(spheres, tolerance, all.pack.depth);
         all.pack.contacts = std::move(contacts.counts);
         report.contacts = contacts;
-        const auto& part = all.pack.columns.front().numbers;
-        for (const Contact& c : listContacts(spheres, tolerance))
-            report.contactsBetweenParts += part[c.i] != part[c.j];
+        report.contactsBetweenParts = contactsBetweenParts(all.pack, tolerance);
         report.smallestGap = smallestGap(spheres);
     }
 }

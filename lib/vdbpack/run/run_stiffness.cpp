@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -18,6 +20,8 @@ namespace {
 /// Sides of the range of k_t / k_n that is searched, and how close a Poisson's ratio has to be.
 constexpr double kLeastShear = 0.05, kMostShear = 4, kPoissonError = 5e-4;
 constexpr int kMostTries = 12;
+/// Share of the spheres that bonds hold below which a warning says so.
+constexpr double kHeld = 0.97;
 
 /// What the spheres fill, in which cell, and which of them are at its wall.
 void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
@@ -58,12 +62,42 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
     }
 }
 
+/// Warns of spheres that nothing holds: no chain of bonds leads from them to the boundary, or,
+/// where nothing is held, to most others.
+void warnOfLoose(const std::vector<Bond>& bonds, const BondedBody& body,
+                 const Callbacks& callbacks) {
+    const std::size_t n = body.pack->spheres.size();
+    std::vector<std::uint32_t> root(n + 1);
+    std::iota(root.begin(), root.end(), 0u);
+    const auto rootOf = [&](std::uint32_t i) {
+        while (root[i] != i) i = root[i] = root[root[i]];
+        return i;
+    };
+    for (const Bond& b : bonds) root[rootOf(b.i)] = rootOf(b.j);
+    for (std::uint32_t i = 0; i < body.boundary.size(); ++i)
+        if (body.boundary[i]) root[rootOf(i)] = rootOf(static_cast<std::uint32_t>(n));
+    std::vector<std::size_t> members(n + 1);
+    for (std::uint32_t i = 0; i < n; ++i) ++members[rootOf(i)];
+    const std::size_t held = body.boundary.empty()
+                                 ? *std::max_element(members.begin(), members.end())
+                                 : members[rootOf(static_cast<std::uint32_t>(n))];
+    const double share = static_cast<double>(held) / static_cast<double>(n);
+    if (share < kHeld)
+        callbacks.warn(
+            fmt::format("bonds connect only {:.3g} % of the spheres to {}; the others carry "
+                        "nothing. Set a larger "
+                        "`contactTolerance` (of several parts `interfaceTolerance`), or the "
+                        "`domain` of the pack",
+                        100 * share, body.boundary.empty() ? "one another" : "the boundary"));
+}
+
 /// Solves once. @return the Poisson's ratio of the isotropic average
 double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
              StiffnessResult& result, const Callbacks& callbacks) {
     const auto bonds = bondsIn(pack, options);
     body.pack = &pack;
     body.bonds = &bonds;
+    if (result.bonds == 0) warnOfLoose(bonds, body, callbacks);
     result.bonds = bonds.size();
     result.law = options.law;
     result.apparent = apparentStiffness(body, callbacks);

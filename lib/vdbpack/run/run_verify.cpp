@@ -5,6 +5,7 @@
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/vacancies.h"
 #include "vdbpack/run/input_pack.h"
+#include "vdbpack/run/interfaces.h"
 #include "vdbpack/run/run_parts.h"
 
 #include <fmt/format.h>
@@ -75,6 +76,7 @@ void verifyParts(const Parts& parts, const std::string& file, Pack<3>& pack, Rep
     report.protrusion = std::move(all);
     if (!pack.spheres.empty())
         report.contacts = countContacts(pack.spheres, report.contactTolerance, pack.depth);
+    report.contactsBetweenParts = contactsBetweenParts(pack, report.contactTolerance);
     if (report.volume > 0) report.solidFractionTotal = covered / report.volume;
 }
 
