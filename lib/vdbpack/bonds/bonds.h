@@ -91,7 +91,7 @@ struct ApparentStiffness {
 /// one that is neither held by a boundary nor periodic along all axes; ResourceError if the solver
 /// does not converge; Interrupted.
 ///
-/// Cost: about 1 µs per bond and iteration of all six cases on two threads; iterations grow with
+/// Cost: about 0.4 µs per bond and iteration of all six cases on two threads; iterations grow with
 /// the number of spheres across. 500 bytes per sphere and 90 per bond. Source: energy of a uniform
 /// strain (Hill's condition) on the boundary, as Zysset (1992) and Pahr, Zysset (2008),
 /// doi:10.1007/s10237-007-0109-7, use it for voxels of bone.
