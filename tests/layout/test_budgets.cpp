@@ -21,30 +21,30 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 89649},
+    {"lib", 89701},
     {"lib/python", 2015},
     {"lib/vdbpack/core", 2488},
-    {"lib/vdbpack/io", 2916},
+    {"lib/vdbpack/io", 2932},
     {"lib/vdbpack/mesh", 3879},
     {"lib/vdbpack/verify", 2324},
-    {"lib/vdbpack/image", 5703},
+    {"lib/vdbpack/image", 5705},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2822},
-    {"lib/vdbpack/domain", 6797},
+    {"lib/vdbpack/domain", 6814},
     {"lib/vdbpack/pack", 7727},
     {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/bonds", 614},
     {"lib/vdbpack/measure", 5535},
     {"lib/vdbpack/voids", 7994},
     {"lib/vdbpack/formats", 9729},
-    {"lib/vdbpack/report", 3796},
+    {"lib/vdbpack/report", 3799},
     {"lib/vdbpack/preview", 3254},
     {"lib/vdbpack/view", 1566},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3291},
-    {"lib/vdbpack/run", 5955},
+    {"lib/vdbpack/run", 5969},
     {"tools", 3811},
-    {"tests", 33540},
+    {"tests", 33557},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

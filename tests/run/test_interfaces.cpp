@@ -56,6 +56,20 @@ TEST_CASE("an interface has its area and its bonds beside those of the parts") {
     CHECK(mended.report.hash == run.report.hash);
 }
 
+TEST_CASE("a part that was moved away from all others is named") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = boxAndPeg(folder);
+    recipe.parts[1].domain.pose.translate = GENERATE(Vec<3>{{0, 0, 0}}, Vec<3>{{100, 0, 0}});
+    const bool away = (*recipe.parts[1].domain.pose.translate)[0] > 0;
+    const RunResult run = runPack(recipe);
+    CHECK(run.report.interfaces.size() == (away ? 0 : 1));
+    const auto names = [](const std::string& text) {
+        return text.find("peg: touches no other part") != std::string::npos;
+    };
+    const auto& warnings = run.report.warnings;
+    CHECK(std::any_of(warnings.begin(), warnings.end(), names) == away);
+}
+
 TEST_CASE("a plane through a part cuts as many bonds as its count says") {
     const TemporaryFolder folder;
     PackRecipe recipe = boxAndPeg(folder);

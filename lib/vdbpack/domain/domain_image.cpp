@@ -6,15 +6,16 @@
 #include "vdbpack/io/suggest.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
 namespace vdbpack {
 
-void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::string& path,
-                  const Callbacks& callbacks) {
+bool isAtBorder(const LabelPart& part, const ImageGrid& grid) {
     Box<3> box;
     for (const LabelCount& label : part.labels) {
         box.add(label.voxelBox.lo);
@@ -22,12 +23,27 @@ void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::strin
     }
     for (int d = 0; d < 3; ++d)
         if (box.lo[d] < 0.5 ||
-            box.hi[d] > static_cast<double>(grid.size[static_cast<std::size_t>(d)]) - 1.5) {
-            callbacks.warn(fmt::format(
-                "{}: label {} reaches the border of the image, where a flat wall closes it", path,
-                part.name));
-            return;
-        }
+            box.hi[d] > static_cast<double>(grid.size[static_cast<std::size_t>(d)]) - 1.5)
+            return true;
+    return false;
+}
+
+void warnOfBorder(const std::vector<LabelPart>& parts, const ImageGrid& grid,
+                  const std::string& path, const Callbacks& callbacks) {
+    constexpr std::size_t kNamed = 4;
+    std::vector<std::string> names;
+    for (const LabelPart& part : parts)
+        if (isAtBorder(part, grid)) names.push_back(part.name);
+    if (names.empty()) return;
+    const std::size_t more = names.size() - std::min(names.size(), kNamed);
+    names.resize(names.size() - more);
+    callbacks.warn(
+        fmt::format("{}: label{} {}{} the border of the image, where a flat wall closes {}", path,
+                    names.size() + more > 1 ? "s" : "", fmt::join(names, ", "),
+                    more > 0           ? fmt::format(" and {} more reach", more)
+                    : names.size() > 1 ? " reach"
+                                       : " reaches",
+                    names.size() + more > 1 ? "each" : "it"));
 }
 
 std::vector<LabelCount> requiredLabels(const DomainRecipe& recipe, const Image& image) {
@@ -141,7 +157,7 @@ TriangleMesh imageMesh(DomainRecipe& recipe, const Callbacks& callbacks,
     }
     const auto labels = requiredLabels(recipe, image);
     const LabelPart part = selectedPart(recipe, labels);
-    warnOfBorder(part, image.grid, recipe.source, callbacks);
+    warnOfBorder({part}, image.grid, recipe.source, callbacks);
     TriangleMesh mesh = std::move(labelSurfaces(image, labels, {part}).front());
     warnOfVolume(mesh, image.grid, part.voxels(), recipe.source + ": label " + part.name,
                  callbacks);

@@ -33,9 +33,9 @@ std::vector<LabelCount> requiredLabels(const DomainRecipe& recipe, const Image& 
 /// @param labels  of the image. @throws ParameterError if it selects nothing, or several parts.
 LabelPart selectedPart(const DomainRecipe& recipe, const std::vector<LabelCount>& labels);
 
-/// Warns of a part that the border of its image cuts off.
-void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::string& path,
-                  const Callbacks& callbacks);
+/// Warns once of the parts that the border of their image cuts off.
+void warnOfBorder(const std::vector<LabelPart>& parts, const ImageGrid& grid,
+                  const std::string& path, const Callbacks& callbacks);
 
 /// The surface, mm, of what a recipe selects of an image: a label or labels joined, or the values
 /// from a threshold on.

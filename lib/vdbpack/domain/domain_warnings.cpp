@@ -46,6 +46,7 @@ void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks
             "in {}: check `unit` and `scale`",
             recipe.source, extent, extent < 1 ? "small" : "large", kSmallestExtent, kLargestExtent,
             unitName(recipe.unit)));
+    if (recipe.voxelSpacing) return;  // given on purpose, as for micro-CT
     if (extent < 2 || extent > 5000)
         callbacks.warn(fmt::format(
             "{}: is {:.3g} mm across, which is unlikely for a bone; the file is read in {}: give "

@@ -16,16 +16,16 @@ std::vector<LabelPart> LabelledImage::parse(const std::string& text) const {
     return parseLabels(text, labels_, path_);
 }
 
-std::size_t LabelledImage::add(const LabelPart& part, const Callbacks& callbacks) {
+std::size_t LabelledImage::add(const LabelPart& part) {
     for (const LabelCount& label : part.labels)
         if (!used_.insert({label.layer, label.value}).second)
             throw ParameterError(fmt::format("{}: label {} is in two parts", path_, label.value));
-    warnOfBorder(part, image_.grid, path_, callbacks);
     parts_.push_back(part);
     return parts_.size() - 1;
 }
 
-void LabelledImage::makeSurfaces() {
+void LabelledImage::makeSurfaces(const Callbacks& callbacks) {
+    warnOfBorder(parts_, image_.grid, path_, callbacks);
     surfaces_.resize(parts_.size());
     std::map<std::size_t, std::vector<std::size_t>> layers;
     for (std::size_t p = 0; p < parts_.size(); ++p) layers[layerOf(p)].push_back(p);
@@ -66,7 +66,7 @@ LabelledImage& LabelledImages::of(const DomainRecipe& domain) {
 }
 
 void LabelledImages::makeSurfaces() {
-    for (auto& [key, image] : images_) image.makeSurfaces();
+    for (auto& [key, image] : images_) image.makeSurfaces(callbacks_);
 }
 
 }  // namespace vdbpack

@@ -27,9 +27,9 @@ public:
     /// As `parseLabels`.
     std::vector<LabelPart> parse(const std::string& text) const;
     /// Adds a part and returns its number. @throws ParameterError if a label is in two parts
-    std::size_t add(const LabelPart& part, const Callbacks& callbacks);
+    std::size_t add(const LabelPart& part);
     /// Makes the surfaces of all parts, those of a layer together.
-    void makeSurfaces();
+    void makeSurfaces(const Callbacks& callbacks);
     /// The domain of a part, once.
     DomainSource source(const DomainRecipe& domain, std::size_t part, const Callbacks& callbacks);
     std::size_t layerOf(std::size_t part) const { return parts_[part].labels.front().layer; }

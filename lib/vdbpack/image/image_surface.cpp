@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
@@ -174,11 +175,12 @@ const LabelCount& labelOf(const std::string& text, const std::vector<LabelCount>
         throw ParameterError(
             "`label`: a label is missing between the separators; write A,B for parts, or A+B for "
             "one part");
+    std::vector<std::string> names;
+    for (const LabelCount& label : labels) names.push_back(label.name);
     if (found.empty())
         throw ParameterError(fmt::format(
-            "`label` {}: {} has no such label; it has {}. A name with a comma or a plus "
-            "is given by its value",
-            text, path, listOf(labels)));
+            "`label` {}: {} has no such label{}; it has {}. Names with , or + are given by value",
+            text, path, similarWord(text, names), listOf(labels)));
     throw ParameterError(
         fmt::format("`label` {}: {} has {} of them; {} is the first. The labels are {}", text, path,
                     found.size(), textOf(*found.front()), listOf(labels)));

@@ -1,5 +1,7 @@
 #include "vdbpack/io/suggest.h"
 
+#include "vdbpack/io/text.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
@@ -36,6 +38,16 @@ std::string mostLike(const std::string& word, const std::vector<std::string>& wo
     for (const auto& known : words)
         if (known.compare(0, word.size(), word) == 0) return known;
     return {};
+}
+
+std::string similarWord(const std::string& word, const std::vector<std::string>& words) {
+    std::vector<std::string> small;
+    for (const std::string& each : words) small.push_back(lowered(each));
+    const std::string like = mostLike(lowered(word), small);
+    const auto found = std::find(small.begin(), small.end(), like);
+    return like.empty()
+               ? ""
+               : "; did you mean " + words[static_cast<std::size_t>(found - small.begin())] + "?";
 }
 
 std::string similarFile(const std::string& path) {

@@ -15,6 +15,10 @@ std::size_t editDistance(const std::string& a, const std::string& b);
 /// it. Empty if there is none.
 std::string mostLike(const std::string& word, const std::vector<std::string>& words);
 
+/// "; did you mean WORD?" with the word most like another one, whatever their capitals; empty if
+/// there is none.
+std::string similarWord(const std::string& word, const std::vector<std::string>& words);
+
 /// "; did you mean NAME?" with the file beside `path`, which is not there, whose name is most like
 /// its own, or the same but for its extension; empty if there is none.
 std::string similarFile(const std::string& path);

@@ -132,6 +132,7 @@ std::vector<SummaryColumn> summaryColumns(const std::vector<Report>& reports) {
     if (!spheres)
         return {{"voids", "voids", "{:.0f}", 9},
                 {"BV/TV", "bvtv", "{:.4f}", 8},
+                {"Tb.Th", "tbth", "{:.4g}", 7},
                 {"attached", "solid_attached", "{:.4f}", 9},
                 {"total, s", "seconds_total", "{:.2f}", 9}};
     std::vector<SummaryColumn> columns{{"spheres", "count", "{:.0f}", 9},
@@ -148,6 +149,7 @@ std::vector<SummaryColumn> summaryColumns(const std::vector<Report>& reports) {
         columns.push_back({"connected", "largest_component", "{:.4f}", 9});
     else
         columns.push_back({"contacts", "contacts_mean", "{:.3f}", 8});
+    if (any("tbth")) columns.push_back({"Tb.Th", "tbth", "{:.4g}", 7});
     columns.push_back({"pack, s", "seconds_pack", "{:.2f}", 7});
     return columns;
 }

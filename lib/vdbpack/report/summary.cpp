@@ -136,13 +136,14 @@ void addParts(Summary& out, const Report& r) {
         if (!p.requested.empty() && r.requested != p.requested) text += ", " + p.requested;
         out.line(&p == &r.parts.front() ? "parts" : "", text);
     }
-    out.line("", fmt::format("{} contacts between parts", grouped(r.contactsBetweenParts)));
+    out.line("", fmt::format("{} contact{} between parts", grouped(r.contactsBetweenParts),
+                             r.contactsBetweenParts == 1 ? "" : "s"));
     for (const InterfaceReport& i : r.interfaces)
         out.line(&i == &r.interfaces.front() ? "interfaces" : "",
-                 fmt::format("{} and {}: {} bonds on {:.4g} mm², {:.2g} per mm² (planes through "
+                 fmt::format("{} and {}: {} bond{} on {:.4g} mm², {:.2g} per mm² (planes through "
                              "them: {:.2g} and {:.2g})",
-                             i.parts[0], i.parts[1], grouped(i.pairs), i.area, i.perArea(),
-                             i.bulk[0], i.bulk[1]));
+                             i.parts[0], i.parts[1], grouped(i.pairs), i.pairs == 1 ? "" : "s",
+                             i.area, i.perArea(), i.bulk[0], i.bulk[1]));
 }
 
 void addDensified(Summary& out, const Report& r, const DimensionWords& words) {

@@ -157,6 +157,16 @@ void measureInterfaces(const Parts& parts, Run<3>& all) {
             all.report.interfaces.push_back(std::move(one));
         }
     }
+    for (const Part& part : parts) {
+        const auto touches = [&](const InterfaceReport& i) {
+            return i.parts[0] == part.recipe.name || i.parts[1] == part.recipe.name;
+        };
+        const auto& found = all.report.interfaces;
+        if (part.recipe.domain.pose.any() && std::none_of(found.begin(), found.end(), touches))
+            all.callbacks.warn(part.recipe.name +
+                               ": touches no other part where it was moved to; check `translate`, "
+                               "`rotate`, `matrix` or `transform`");
+    }
 }
 
 }  // namespace vdbpack

@@ -129,7 +129,7 @@ void settle(std::vector<PackRecipe>& recipes, std::size_t k) {
     recipe.outputs.clear();
 }
 
-LabelPlace placeOf(const PackRecipe& recipe, LabelledImages& images, const Callbacks& callbacks) {
+LabelPlace placeOf(const PackRecipe& recipe, LabelledImages& images) {
     if (!isLabelMap(recipe.domain)) return {};
     LabelledImage& image = images.of(recipe.domain);
     const std::string& label = recipe.domain.label;
@@ -141,7 +141,7 @@ LabelPlace placeOf(const PackRecipe& recipe, LabelledImages& images, const Callb
         throw ParameterError(
             fmt::format("{}: names {} labels of {}; a part is one, or several joined by +",
                         recipe.name, parts.size(), recipe.domain.source));
-    return {&image, image.add({recipe.name, parts.front().labels}, callbacks)};
+    return {&image, image.add({recipe.name, parts.front().labels})};
 }
 
 /// A later part has the space; labels of one layer leave one another theirs.
@@ -166,7 +166,7 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
     std::vector<LabelPlace> places;
     for (std::size_t k = 0; k < recipes.size(); ++k) {
         settle(recipes, k);
-        places.push_back(placeOf(recipes[k], images, callbacks));
+        places.push_back(placeOf(recipes[k], images));
     }
     images.makeSurfaces();
     Parts parts;

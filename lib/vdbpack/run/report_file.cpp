@@ -3,6 +3,7 @@
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/options/jobs.h"
 #include "vdbpack/report/report_page.h"
 
 #include <fmt/format.h>
@@ -51,6 +52,8 @@ ReportPage pageOf(const RunResult& run, const std::string& subject, const RunSet
     ReportPage page;
     page.subject = subject;
     page.report = run.report;
+    for (auto* texts : {&page.report.warnings, &page.report.chosen})
+        for (std::string& text : *texts) text = withOptionNames(text);
     page.picture = run.picture;
     page.settings = settingsOf(recipe, run.report);
     return page;
@@ -68,6 +71,7 @@ void writeReport(const RunResult& run, const std::string& subject, const RunSett
     const std::string file = reportFileOf(settings, run.report);
     if (file.empty()) return;
     Json figures = toJson(run);
+    for (Json& text : figures["warnings"]) text = withOptionNames(text.get<std::string>());
     if (!isPage(file)) return write(file, jsonText(figures));
     ReportPage page = pageOf(run, subject, settings);
     if (details.structure) {
