@@ -34,7 +34,7 @@ inline double fromMillimeters(double mm, Unit unit) {
     return unit == Unit::micrometer ? mm * 1000.0 : mm / millimetersPer(unit);
 }
 /// The mm that `fromMillimeters` makes `value` of. Where neighboring doubles do, the one with the
-/// fewest binary digits: centers and radii of packs have few, and come back from files as they were.
+/// fewest binary digits: centers and radii of packs have few, and come back from files unchanged.
 double toMillimeters(double value, Unit unit);
 
 /// Beginning of the comment that names the unit in .stl, .ply and YADE files.
