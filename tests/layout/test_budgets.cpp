@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 89701},
+    {"lib", 89707},
     {"lib/python", 2015},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2932},
@@ -37,7 +37,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/measure", 5535},
     {"lib/vdbpack/voids", 7994},
     {"lib/vdbpack/formats", 9729},
-    {"lib/vdbpack/report", 3799},
+    {"lib/vdbpack/report", 3805},
     {"lib/vdbpack/preview", 3254},
     {"lib/vdbpack/view", 1566},
     {"lib/vdbpack/distributed", 448},

@@ -138,12 +138,18 @@ void addParts(Summary& out, const Report& r) {
     }
     out.line("", fmt::format("{} contact{} between parts", grouped(r.contactsBetweenParts),
                              r.contactsBetweenParts == 1 ? "" : "s"));
-    for (const InterfaceReport& i : r.interfaces)
-        out.line(&i == &r.interfaces.front() ? "interfaces" : "",
+    constexpr std::size_t kShown = 6;
+    for (std::size_t k = 0; k < std::min(kShown, r.interfaces.size()); ++k) {
+        const InterfaceReport& i = r.interfaces[k];
+        out.line(k == 0 ? "interfaces" : "",
                  fmt::format("{} and {}: {} bond{} on {:.4g} mm², {:.2g} per mm² (planes through "
                              "them: {:.2g} and {:.2g})",
                              i.parts[0], i.parts[1], grouped(i.pairs), i.pairs == 1 ? "" : "s",
                              i.area, i.perArea(), i.bulk[0], i.bulk[1]));
+    }
+    if (r.interfaces.size() > kShown)
+        out.line("", fmt::format("and {} more, which a report as .json lists",
+                                 r.interfaces.size() - kShown));
 }
 
 void addDensified(Summary& out, const Report& r, const DimensionWords& words) {
