@@ -201,6 +201,17 @@ TEST_CASE("unusable shapes are refused") {
     REQUIRE_THROWS_AS(ballDomain<3>(1, {{0, INFINITY, 0}}), ParameterError);
     REQUIRE_THROWS_AS(cylinderDomain(1, 0), ParameterError);
     REQUIRE_THROWS_AS(cylinderDomain(INFINITY, 1), ParameterError);
+    for (const double length : {1e-200, 1e200}) {
+        // Numbers, but their volumes are 0 or none.
+        const Box<3> cube{{}, {{length, length, length}}};
+        const Box<2> square{{}, {{length, length}}};
+        REQUIRE_THROWS_AS(ballDomain<3>(length), ParameterError);
+        REQUIRE_THROWS_AS(ballDomain<2>(length), ParameterError);
+        REQUIRE_THROWS_AS(cylinderDomain(length, length), ParameterError);
+        REQUIRE_THROWS_AS(boxDomain<3>(cube), ParameterError);
+        REQUIRE_THROWS_AS(boxDomain<2>(square), ParameterError);
+        REQUIRE_THROWS_AS(periodicDomain<3>({cube, {true, true, true}}), ParameterError);
+    }
     REQUIRE_THROWS_AS(boxDomain<2>({{{1, 0}}, {{1, 1}}}), ParameterError);
     REQUIRE_THROWS_AS(boxDomain<3>(Box<3>{}), ParameterError);
     const auto ball = ballDomain<3>(1);

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 89707},
+    {"lib", 89718},
     {"lib/python", 2015},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2932},
@@ -30,7 +30,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/image", 5705},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2822},
-    {"lib/vdbpack/domain", 6814},
+    {"lib/vdbpack/domain", 6825},
     {"lib/vdbpack/pack", 7727},
     {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/bonds", 614},
@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3291},
     {"lib/vdbpack/run", 5969},
     {"tools", 3811},
-    {"tests", 33557},
+    {"tests", 33568},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -22,6 +22,16 @@ void checkPositive(double value, const char* shape, const char* what) {
             fmt::format("{}: {} {} is invalid; give a positive length in mm", shape, what, value));
 }
 
+/// The shape itself. @throws ParameterError if its volume is no number above 0: too large or small.
+template <class Shape>
+std::shared_ptr<Shape> withVolume(std::shared_ptr<Shape> shape, const char* name) {
+    if (!(shape->volume() > 0) || !std::isfinite(shape->volume()))
+        throw ParameterError(
+            fmt::format("{}: its volume comes to {}; give lengths that a bone could have, in mm",
+                        name, shape->volume()));
+    return shape;
+}
+
 [[noreturn]] void planeMisses(double height, double lo, double hi) {
     throw InputError(
         fmt::format("slice z={}: the plane misses the domain, which spans z = {} to {} mm; choose "
@@ -278,15 +288,16 @@ std::shared_ptr<const Domain<Dim>> boxDomain(const Box<Dim>& box) {
     const char* name = Dim == 3 ? "box" : "rect";
     checkBox(box, name);
     if constexpr (Dim == 3)
-        return std::make_shared<SliceableBox>(box, name);
+        return withVolume(std::make_shared<SliceableBox>(box, name), name);
     else
-        return std::make_shared<BoxDomain<Dim>>(box, name);
+        return withVolume(std::make_shared<BoxDomain<Dim>>(box, name), name);
 }
 
 template <int Dim>
 std::shared_ptr<const Domain<Dim>> periodicDomain(const PeriodicCell<Dim>& cell) {
     checkBox(cell.box, "periodic");
-    return std::make_shared<BoxDomain<Dim>>(cell.box, "periodic", cell.wraps);
+    return withVolume(std::make_shared<BoxDomain<Dim>>(cell.box, "periodic", cell.wraps),
+                      "periodic");
 }
 
 template <int Dim>
@@ -296,15 +307,15 @@ std::shared_ptr<const Domain<Dim>> ballDomain(double radius, const Vec<Dim>& cen
     if (!isFinite(center))
         throw ParameterError(fmt::format("{}: the center is not finite; give it in mm", name));
     if constexpr (Dim == 3)
-        return std::make_shared<SliceableBall>(radius, center, name);
+        return withVolume(std::make_shared<SliceableBall>(radius, center, name), name);
     else
-        return std::make_shared<BallDomain<Dim>>(radius, center, name);
+        return withVolume(std::make_shared<BallDomain<Dim>>(radius, center, name), name);
 }
 
 std::shared_ptr<const Domain<3>> cylinderDomain(double radius, double height) {
     checkPositive(radius, "cylinder", "radius");
     checkPositive(height, "cylinder", "height");
-    return std::make_shared<CylinderDomain>(radius, height);
+    return withVolume(std::make_shared<CylinderDomain>(radius, height), "cylinder");
 }
 
 template std::shared_ptr<const Domain<2>> boxDomain<2>(const Box<2>&);
