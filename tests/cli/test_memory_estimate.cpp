@@ -111,18 +111,38 @@ TEST_CASE("a dry run refuses what a run does, and says what densifying cannot re
     CHECK_THROWS_AS(dryRunPack(recipe), InputError);
 }
 
+TEST_CASE("a dry run of parts predicts them together") {
+    PackRecipe recipe = recipeFor("", "uniform:0.5,1");
+    recipe.targetCount = 3000;
+    PackRecipe inner = recipeFor("ball:6", "uniform:0.5,1"),
+               outer = recipeFor("box:-10,-10,-10,-7,10,10", "");
+    inner.name = "inner";
+    outer.name = "outer";
+    inner.targetCount = outer.targetCount = recipe.targetCount;
+    outer.radius = inner.radius;
+    recipe.parts = {outer, inner};
+    const DryRun expected = dryRunPack(recipe);
+    CHECK(expected.count == Approx(3000).epsilon(0.05));
+    CHECK(expected.volume == Approx(3 * 400 + Measure<3>::ball(6)).epsilon(0.02));
+    const RunResult run = runPack(recipe);
+    CHECK(expected.solidFraction == Approx(*run.report.solidFractionTotal).epsilon(0.05));
+}
+
 TEST_CASE("a clip leaves the volume that is reported") {
     const TemporaryFolder folder;
     writeObj(ballMesh(12, 4), folder.file("b.obj"));
     DomainRecipe recipe;
     recipe.source = folder.file("b.obj");
-    const double whole = DomainSource(recipe).leftVolume();
+    const auto whole = DomainSource(recipe).left();
     recipe.clips = {parseClip("plane:1,0,0,0")};
-    CHECK(DomainSource(recipe).leftVolume() == Approx(whole / 2).epsilon(0.02));
+    const auto half = DomainSource(recipe).left();
+    CHECK(half.volume == Approx(whole.volume / 2).epsilon(0.02));
+    // Half of the sphere, and the disc between the halves.
+    CHECK(half.area == Approx(0.75 * whole.area).epsilon(0.02));
     recipe.clips = {parseClip("plane:1,1,0,0"), parseClip("plane:0,0,-1,0")};
-    CHECK(DomainSource(recipe).leftVolume() == Approx(whole / 4).epsilon(0.04));
+    CHECK(DomainSource(recipe).left().volume == Approx(whole.volume / 4).epsilon(0.04));
     recipe.clips = {parseClip("plane:1,0,0,-50")};
-    CHECK_THROWS_AS(DomainSource(recipe).leftVolume(), InputError);
+    CHECK_THROWS_AS(DomainSource(recipe).left().volume, InputError);
 }
 
 TEST_CASE("a request beyond all memory is refused at once with its parts") {

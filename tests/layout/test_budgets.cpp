@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 89718},
+    {"lib", 89941},
     {"lib/python", 2015},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2932},
@@ -29,22 +29,22 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/verify", 2324},
     {"lib/vdbpack/image", 5705},
     {"lib/vdbpack/field", 5965},
-    {"lib/vdbpack/repair", 2822},
-    {"lib/vdbpack/domain", 6825},
+    {"lib/vdbpack/repair", 2831},
+    {"lib/vdbpack/domain", 6873},
     {"lib/vdbpack/pack", 7727},
     {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/bonds", 614},
     {"lib/vdbpack/measure", 5535},
     {"lib/vdbpack/voids", 7994},
-    {"lib/vdbpack/formats", 9729},
-    {"lib/vdbpack/report", 3805},
-    {"lib/vdbpack/preview", 3254},
-    {"lib/vdbpack/view", 1566},
+    {"lib/vdbpack/formats", 9733},
+    {"lib/vdbpack/report", 3823},
+    {"lib/vdbpack/preview", 3277},
+    {"lib/vdbpack/view", 1567},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3291},
-    {"lib/vdbpack/run", 5969},
+    {"lib/vdbpack/options", 3292},
+    {"lib/vdbpack/run", 6088},
     {"tools", 3811},
-    {"tests", 33568},
+    {"tests", 33617},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -194,9 +194,8 @@ TEST_CASE("a legend has the colors and names of what occurs") {
     options.width = 400;
     const Picture ramp = drawn(pack, options);
     for (const double t : {0.1, 0.5, 0.9}) CHECK(shows(ramp, rampColor(t)));
+    // The parts of a pack that has several, unless something else is asked for.
     pack.columns = {{"part", {0, 2, 2, 0}, {}}};
-    options.color = PreviewColor::column;
-    options.column = "part";
     const auto color = [](std::size_t k) { return fromSrgb(kindColors()[k]); };
     const Picture parts = drawn(pack, options);
     CHECK(shows(parts, color(0)));
@@ -207,6 +206,11 @@ TEST_CASE("a legend has the colors and names of what occurs") {
     const Picture named = drawn(pack, options);
     CHECK_THAT(wordsOf(named), Contains("colored by part: L3, L4 (cut);"));
     CHECK(named.pixels != parts.pixels);
+    options.color = PreviewColor::radius;
+    CHECK_THAT(wordsOf(drawn(pack, options)), Contains("colored by radius"));
+    options.color = PreviewColor::chosen;
+    pack.columns.front().numbers = {1, 1, 1, 1};
+    CHECK_THAT(wordsOf(drawn(pack, options)), Contains("colored by radius"));
 }
 
 TEST_CASE("a view decides which side of a cut is kept, and must face the cut") {

@@ -74,8 +74,25 @@ TEST_CASE("a repair names the components that it fused") {
     CHECK(length(changes.fusedAt - Vec<3>{{12, 0, 0}}) < 0.01);
     CHECK(changes.removed == 0);
     CHECK_THAT(warningsOf(repaired), Contains("bone.stl") && Contains("3 components into 1") &&
-                                         Contains("`repairComponents`"));
+                                         Contains("move them apart") &&
+                                         !Contains("`repairComponents`"));
     CHECK(toJson(repaired.report)["changes"]["fusedComponents"] == 3);
+}
+
+TEST_CASE("components that only lie close are kept apart by a setting, which the report names") {
+    // One pair intersects, another is closer than a voxel.
+    const auto pair = merged(ballMesh(10, 4), ballMesh(4, 3, {{-12, 0, 0}}));
+    const auto mesh = merged(pair, ballMesh(6, 4, {{16.2, 0, 0}}));
+    RepairOptions options;
+    options.voxelSize = 1;
+    const auto repaired = repairMesh(mesh, options);
+    REQUIRE(repaired.report.changes->fusedComponents == 3);
+    CHECK_THAT(warningsOf(repaired), Contains("`repairComponents` separate") &&
+                                         Contains("all but 1 pair that intersects"));
+    options.components = RepairComponents::separate;
+    const auto apart = repairMesh(mesh, options);
+    CHECK(apart.report.changes->fusedComponents == 2);
+    CHECK_THAT(warningsOf(apart), Contains("move them apart"));
 }
 
 TEST_CASE("a repair counts the holes that it closed") {

@@ -22,10 +22,12 @@ ReportPage fullPage(int dim) {
     page.subject = "femur.ply";
     page.report = sampleReport();
     page.report.dim = dim;
-    page.structure.dim = dim;
-    page.structure.meanDiameter = 3;
-    page.structure.profile = DensityProfile{0.4, {5, 4, 3}, {0.2, 0.7, 0.6}, {0.01, 0.02, 0.03}};
-    page.structure.pairCorrelation = PairCorrelation{0.1, {0, 0, 2, 1}, {0, 0, 0.1, 0.1}, 500, 0.2};
+    page.structure.emplace();
+    page.structure->dim = dim;
+    page.structure->meanDiameter = 3;
+    page.structure->profile = DensityProfile{0.4, {5, 4, 3}, {0.2, 0.7, 0.6}, {0.01, 0.02, 0.03}};
+    page.structure->pairCorrelation =
+        PairCorrelation{0.1, {0, 0, 2, 1}, {0, 0, 0.1, 0.1}, 500, 0.2};
     page.radii = radiusHistogram(
         {1, 1.2, 1.4, 1.9, 2}, [](double x) { return x - 1; }, {1, 2}, 8);
     page.settings = {{"--seed", "7"}};
@@ -37,7 +39,7 @@ std::string htmlOf(const ReportPage& page) {
     if (page.morphometry)
         figures = {{"morphometry", toJson(*page.morphometry)}};
     else
-        addTo(figures, page.structure);
+        addTo(figures, *page.structure);
     return reportPage(page, figures);
 }
 
@@ -150,13 +152,14 @@ TEST_CASE("a chart without data says why") {
     };
     ReportPage nothing;
     nothing.report.task = "pack";
+    nothing.structure.emplace();
     CHECK(reasons(nothing) == 6);
     ReportPage one = fullPage(3);
     one.report.count = 1;
     one.report.radius = {1, 1, 1, 0};
     one.report.contacts->histogram = {1};
     one.radii = radiusHistogram({1});
-    one.structure.pairCorrelation.reset();
+    one.structure->pairCorrelation.reset();
     CHECK(reasons(one) == 1);
     CHECK_THAT(htmlOf(one), Contains("Fewer than 100 spheres"));
     ReportPage loose = fullPage(3);
@@ -164,7 +167,7 @@ TEST_CASE("a chart without data says why") {
     loose.report.solidFractionTotal.reset();
     loose.report.solidFractionInterior.reset();
     loose.report.protrusion.reset();
-    loose.structure = {};
+    loose.structure.emplace();
     CHECK(reasons(loose) == 2);
     CHECK_THAT(htmlOf(loose), Contains("--domain"));
 }
@@ -173,9 +176,9 @@ TEST_CASE("values that are no numbers are left out") {
     const double bad = GENERATE(as<double>{}, kNothing, std::numeric_limits<double>::infinity(),
                                 -std::numeric_limits<double>::infinity());
     ReportPage page = fullPage(3);
-    page.structure.profile->fraction = {0.2, bad, 0.6};
-    page.structure.profile->error = {bad, 0.1, 0.1};
-    page.structure.pairCorrelation->g = {bad, bad, bad, bad};
+    page.structure->profile->fraction = {0.2, bad, 0.6};
+    page.structure->profile->error = {bad, 0.1, 0.1};
+    page.structure->pairCorrelation->g = {bad, bad, bad, bad};
     page.report.solidFractionInterior = bad;
     page.report.smallestGap = bad;
     checkPage(htmlOf(page));

@@ -50,7 +50,12 @@ TEST_CASE("labels of an image are packed as parts that no sphere crosses") {
     recipe.domain.label = "all";
     recipe.targetCount = 3000;
     recipe.contactTolerance = 0.1;
+    recipe.reportFile = folder.file("page.html");
     const RunResult run = runPack(recipe);
+    const std::string page = contentOf(recipe.reportFile);
+    for (const PartReport& part : run.report.parts) CHECK_THAT(page, Contains(part.name));
+    // Nothing that is not measured of several parts.
+    CHECK_THAT(page, Contains("Sizes") && !Contains("There are no") && !Contains("chart-pairs"));
     const auto& pack = std::get<Pack<3>>(run.pack);
     REQUIRE(run.report.parts.size() == 2);
     CHECK(run.report.contactsBetweenParts > 5);

@@ -1,7 +1,6 @@
 #include "vdbpack/domain/domain_source.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/weyl.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/depth.h"
 #include "vdbpack/domain/domain_image.h"
@@ -14,7 +13,6 @@
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/mesh/mesh_shells.h"
-#include "vdbpack/mesh/mesh_sides.h"
 
 #include <fmt/format.h>
 
@@ -30,8 +28,6 @@ namespace {
 
 /// A requested voxel size is used if it is within these factors of the default.
 constexpr double kFinest = 0.6, kCoarsest = 1.3;
-/// Points by which the volume of a clipped mesh is estimated, to about 1 %.
-constexpr std::size_t kVolumePoints = 20000;
 
 /// A clip of space as a clip of the plane z = height.
 std::vector<HalfSpace<2>> inPlane(const std::vector<HalfSpace<3>>& planes, double height) {
@@ -266,41 +262,6 @@ double FieldPlan::voxels() const {
     constexpr double kBeyond = 14;
     return fields * (std::min(volume, area * depth) / voxelSize + kBeyond * area) /
            (voxelSize * voxelSize);
-}
-
-double DomainSource::leftVolume(bool byParts) const {
-    if (!mesh_) return volume();
-    if (clips_.empty() && (outsides_.empty() || !byParts)) return fileVolume();
-    // Clips along the axes, which most are, narrow the box that is looked at.
-    Box<3> box = fileBounds_;
-    for (const HalfSpace<3>& h : clips_)
-        for (int d = 0; d < 3; ++d) {
-            const double along = h.normal[d];
-            if (std::fabs(std::fabs(along) - length(h.normal)) > 1e-12) continue;
-            if (along > 0)
-                box.hi[d] = std::min(box.hi[d], h.offset / along);
-            else
-                box.lo[d] = std::max(box.lo[d], h.offset / along);
-        }
-    if (box.empty()) throw nothingLeft();
-    const MeshSides sides(*mesh_, false);
-    std::vector<MeshSides> around;
-    if (byParts)
-        for (const auto& outside : outsides_) around.emplace_back(*outside->mesh_, false);
-    std::size_t inside = 0;
-    for (std::size_t n = 0; n < kVolumePoints; ++n) {
-        const Vec<3> x = weylPoint(n, box);
-        const bool kept = std::all_of(clips_.begin(), clips_.end(), [&](const HalfSpace<3>& h) {
-            return dot(h.normal, x) <= h.offset;
-        });
-        if (kept && sides.inside(x) &&
-            std::all_of(around.begin(), around.end(),
-                        [&](const MeshSides& outside) { return outside.inside(x); }))
-            ++inside;
-    }
-    // What no point has found may still be there.
-    return box.volume() * std::max(static_cast<double>(inside), 0.5) /
-           static_cast<double>(kVolumePoints);
 }
 
 bool DomainSource::hasCavities() const {

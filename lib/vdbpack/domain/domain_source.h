@@ -108,10 +108,14 @@ public:
 
     /// The field that `build` would make.
     FieldPlan plan(double minRadius, double maxRadius, double voxelSize = 0) const;
+    struct Left {
+        double volume = 0;  ///< mm³
+        double area = 0;    ///< of walls, with those that clips cut, of files only, mm²
+    };
     /// The volume of a shape, or about what clips leave of a file (not of its slice), by points
-    /// spread over it, mm³.
-    /// @param byParts  whether `cutBy` takes its share, too.
-    double leftVolume(bool byParts = true) const;
+    /// spread over it.
+    /// @param byParts  whether `cutBy` takes its share of the volume, too.
+    Left left(bool byParts = true) const;
 
     /// How far spheres protrude from the domain's wall itself (triangles or formula), checked
     /// by code that is not used for the field.

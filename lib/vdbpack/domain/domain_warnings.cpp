@@ -47,7 +47,8 @@ void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks
             recipe.source, extent, extent < 1 ? "small" : "large", kSmallestExtent, kLargestExtent,
             unitName(recipe.unit)));
     if (recipe.voxelSpacing) return;  // given on purpose, as for micro-CT
-    if (extent < 2 || extent > 5000)
+    // A long bone of a large animal is a meter long.
+    if (extent < 2 || extent > 1200)
         callbacks.warn(fmt::format(
             "{}: is {:.3g} mm across, which is unlikely for a bone; the file is read in {}: give "
             "`unit` m, cm, mm or um if that is wrong",

@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 
 #include <optional>
@@ -61,8 +62,11 @@ std::optional<PackTarget> knownTarget(const std::string& file) {
 /// The same; refuses unknown formats. @param written  whether to list those that are written
 PackTarget target(const std::string& file, bool written) {
     if (auto known = knownTarget(file)) return *std::move(known);
-    throw ParameterError(file + ": '" + extensionOf(file) + "' is not a pack format; " +
-                         formatList(written));
+    std::vector<std::string> extensions;
+    for (const auto& known : kFormatNames)
+        if (known.extension) extensions.push_back(std::string(".") + known.name);
+    throw ParameterError(file + ": '" + extensionOf(file) + "' is not a pack format" +
+                         similarWord(extensionOf(file), extensions) + "; " + formatList(written));
 }
 
 }  // namespace

@@ -237,9 +237,10 @@ void cutAndColor(OptionList& rows, PreviewOptions& preview) {
                 "remains: lower x, lower z, higher y",
                 [&preview](const std::string& text) { preview.cut = parsePreviewCut(text); })
         .as("preview.cut");
-    rows.custom("preview-color", "NAME [radius]",
-                "color of the spheres by radius, region, depth, order or a column of numbers such "
-                "as part: from dark (small, outside, early) to light",
+    rows.custom("preview-color", "NAME",
+                "color of the spheres by radius, region, depth, order or a column of numbers: from "
+                "dark (small, outside, early) to light; without it by part, where a pack has two "
+                "to eight, else by radius",
                 [&preview](const std::string& name) { setColor(preview, name); })
         .as("preview.color");
 }

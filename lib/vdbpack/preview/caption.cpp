@@ -30,23 +30,30 @@ constexpr double kBarShare = 0.25, kRampShare = 0.2;
 constexpr int kShortestRamp = 20;
 /// Dots: length of an arm of the cross, from its end to the middle of its letter, half its width.
 constexpr double kArm = 8, kToLetter = 6, kArmWidth = 0.6;
-/// Where a side faces the viewer, its letter stands off the middle by this, dots.
-constexpr double kFacing = 10, kFacingDisc = 1.8;
+/// Where a side faces the viewer, its letter takes the middle, and arms run from there to here.
+constexpr double kClear = 7, kShortArm = 12;
 /// An axis that points at the viewer by less lies across the view, and one of whose length less
 /// than this is seen faces the viewer.
 constexpr double kAcross = 0.02, kShort = 0.02;
 
+bool facesViewer(const Side& side) {
+    return length(side.along) < kShort;
+}
+
+/// Where the arms of a cross begin and end, dots, for a side seen in full length.
+std::array<double, 2> armsOf(const std::vector<Side>& sides) {
+    const bool any = std::any_of(sides.begin(), sides.end(), facesViewer);
+    return any ? std::array{kClear, kShortArm} : std::array{0.0, kArm};
+}
+
 /// The middles of the letters, dots from that of the cross, y up.
 std::vector<Vec<2>> lettersOf(const std::vector<Side>& sides) {
-    Vec<2> arms;
-    for (const Side& side : sides) arms += side.along;
-    // Between the other arms' ends, on the side with fewer of them.
-    const Vec<2> free = normalized(length(arms) > 0.5 ? -arms : Vec<2>{{-1, -1}});
+    const double arm = armsOf(sides)[1];
     std::vector<Vec<2>> letters;
     for (const Side& side : sides) {
         const double seen = length(side.along);
-        letters.push_back(seen < kShort ? free * kFacing
-                                        : side.along * ((kArm * seen + kToLetter) / seen));
+        letters.push_back(facesViewer(side) ? Vec<2>{}
+                                            : side.along * ((arm * seen + kToLetter) / seen));
     }
     return letters;
 }
@@ -95,8 +102,7 @@ Caption::Caption(Legend legend, std::vector<Side> sides, int width, int height, 
       width_(width),
       height_(height),
       dot_(dot) {
-    cross_.add({{-kFacingDisc, -kFacingDisc}});
-    cross_.add({{kFacingDisc, kFacingDisc}});
+    cross_.add({});
     letters_ = lettersOf(sides_);
     for (std::size_t k = 0; k < sides_.size(); ++k) {
         const Vec<2> half{{textDots(sides_[k].name) / 2.0, kLetterHeight / 2.0 + kHang}};
@@ -229,11 +235,12 @@ void Caption::drawSides(Picture& image) const {
     const auto inPixels = [&](const Vec<2>& x) {
         return middle + Vec<2>{{x[0] * dot_, -x[1] * dot_}};
     };
+    const auto arms = armsOf(sides_);
     for (std::size_t k = 0; k < sides_.size(); ++k) {
         const Side& side = sides_[k];
-        const bool faces = length(side.along) < kShort;
-        drawStroke(middle, inPixels(side.along * (faces ? 0 : kArm)),
-                   (faces ? kFacingDisc : kArmWidth) * dot_, image);
+        if (!facesViewer(side))
+            drawStroke(inPixels(side.along * arms[0]), inPixels(side.along * arms[1]),
+                       kArmWidth * dot_, image);
         const Vec<2> letter = inPixels(letters_[k]);
         drawText(side.name, static_cast<int>(letter[0] - textDots(side.name) * dot_ / 2.0),
                  static_cast<int>(letter[1] + kLetterHeight * dot_ / 2.0), dot_, image);

@@ -16,8 +16,8 @@
 
 namespace vdbpack {
 
-/// The attribute that colors spheres.
-enum class PreviewColor { radius, region, depth, order, column };
+/// The attribute that colors spheres. chosen: their part, of two to eight, else the radius.
+enum class PreviewColor { chosen, radius, region, depth, order, column };
 
 /// A plane that cuts the scene open, seen from the side that is removed.
 struct PreviewCut {
@@ -38,7 +38,7 @@ struct PreviewOptions {
     /// Pixels, 16 to 16384 each. `height` 0: the picture is fitted to the scene, up to 1 : 3, and
     /// `width` is its longer side.
     int width = 1600, height = 0;
-    PreviewColor color = PreviewColor::radius;
+    PreviewColor color = PreviewColor::chosen;
     std::string column;  ///< of numbers, for PreviewColor::column
     std::optional<PreviewCut> cut;
     std::optional<PreviewView> view;     ///< nothing: from the front, left and above; else a cut's

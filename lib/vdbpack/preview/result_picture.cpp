@@ -91,7 +91,7 @@ void checkPreview(const PreviewOptions& recipe, const std::string& reportFile) {
     facingCut(recipe);
     const char* const asked = recipe.cut                             ? "`preview.cut`"
                               : recipe.view                          ? "`preview.view`"
-                              : recipe.color != PreviewColor::radius ? "`preview.color`"
+                              : recipe.color != PreviewColor::chosen ? "`preview.color`"
                                                                      : nullptr;
     if (asked && file.empty() && !isPage(reportFile))
         throw ParameterError(std::string(asked) +

@@ -112,8 +112,21 @@ const std::vector<std::uint32_t>& regionColors() {
     return colors;
 }
 
+PreviewOptions withColor(PreviewOptions options, const PackAttributes& pack) {
+    if (options.color != PreviewColor::chosen) return options;
+    options.color = PreviewColor::radius;
+    const Column* part = columnOfNumbers(pack, kPartColumn);
+    if (!part || part->numbers.empty() || !areKinds(part->numbers)) return options;
+    const auto [least, most] = std::minmax_element(part->numbers.begin(), part->numbers.end());
+    if (*least == *most) return options;
+    options.color = PreviewColor::column;
+    options.column = kPartColumn;
+    return options;
+}
+
 template <int Dim>
-SphereColors sphereColors(const Pack<Dim>& pack, const PreviewOptions& options) {
+SphereColors sphereColors(const Pack<Dim>& pack, const PreviewOptions& asked) {
+    const PreviewOptions options = withColor(asked, pack);
     const std::size_t n = pack.spheres.size();
     const PreviewColor by = options.color;
     const auto require = [&](std::size_t have, const char* name) {

@@ -28,6 +28,9 @@ struct SphereColors {
     std::vector<Color> color;  ///< one per sphere
     Legend legend;
 };
+/// The same with the attribute for `PreviewColor::chosen`.
+PreviewOptions withColor(PreviewOptions options, const PackAttributes& pack);
+
 /// Columns of few whole numbers from 0, such as `part`, have colors that are easy to tell apart.
 /// @throws ParameterError if the pack lacks the attribute that `options` names.
 template <int Dim>

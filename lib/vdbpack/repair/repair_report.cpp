@@ -95,15 +95,24 @@ std::string holesWarning(const RepairReport& r) {
         counted(r.before.leak->loops, "hole{}"), largest.length, text(largest.center));
 }
 
+/// The remedy against fusing. Components that intersect need another mesh.
+std::string apartAgain(const RepairReport& r) {
+    const std::size_t joins = r.changes->fusedComponents - r.changes->fusedInto;
+    const std::size_t pairs = r.before.intersections;
+    if (r.components == RepairComponents::separate || pairs >= joins)
+        return "They intersect each other: move them apart in the mesh to keep them separate";
+    return "Set `repairComponents` separate to keep " +
+           (pairs == 0 ? "them apart"
+                       : fmt::format("apart all but {} that intersect{}", counted(pairs, "pair{}"),
+                                     pairs == 1 ? "s" : ""));
+}
+
 std::string fusedWarning(const RepairReport& r) {
     const RepairChanges& c = *r.changes;
     return textIf(
         c.fusedInto > 0,
         "the repair fused {} components into {}; one of them, of {:.4g} mm³, lies about {}. {}",
-        c.fusedComponents, c.fusedInto, c.fusedVolume, text(c.fusedAt),
-        r.components == RepairComponents::separate
-            ? "They intersect each other: move them apart in the mesh to keep them separate"
-            : "Set `repairComponents` separate to keep apart those that do not intersect");
+        c.fusedComponents, c.fusedInto, c.fusedVolume, text(c.fusedAt), apartAgain(r));
 }
 
 std::string removedWarning(const RepairChanges& c) {

@@ -200,12 +200,15 @@ std::string times(const Report& report) {
 
 }  // namespace
 
-std::string reportCharts(const Report& report, const Structure& structure,
+std::string reportCharts(const Report& report, const std::optional<Structure>& structure,
                          const RadiusHistogram& radii) {
     const DimensionWords words(report.dim);
     return figure(sizes(radii, report, words)) + figure(cumulatedSizes(radii, report, words)) +
-           figure(coordination(report, words)) + figure(profile(structure, report, words)) +
-           figure(pairs(structure, report, words)) + times(report);
+           figure(coordination(report, words)) +
+           (structure ? figure(profile(*structure, report, words)) +
+                            figure(pairs(*structure, report, words))
+                      : std::string()) +
+           times(report);
 }
 
 }  // namespace vdbpack

@@ -5,13 +5,14 @@
 #include "vdbpack/measure/structure.h"
 #include "vdbpack/report/report.h"
 
+#include <optional>
 #include <string>
 
 namespace vdbpack {
 
 /// Figures as `figure` makes them: sizes by number and cumulated, contacts, solid fraction by
 /// depth, pair correlation, time by stage. A chart without data states the reason.
-std::string reportCharts(const Report& report, const Structure& structure,
+std::string reportCharts(const Report& report, const std::optional<Structure>& structure,
                          const RadiusHistogram& radii);
 
 }  // namespace vdbpack

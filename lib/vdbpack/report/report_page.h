@@ -19,7 +19,7 @@ namespace vdbpack {
 struct ReportPage {
     std::string subject;  ///< what was packed or measured, as it was named
     Report report;
-    Structure structure;
+    std::optional<Structure> structure;
     RadiusHistogram radii;
     PagePicture picture;
     std::optional<Morphometry> morphometry;  ///< of a solid, instead of a pack

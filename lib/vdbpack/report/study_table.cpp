@@ -156,10 +156,11 @@ std::vector<SummaryColumn> summaryColumns(const std::vector<Report>& reports) {
 
 /// Mean and standard deviation, where there is any value.
 std::array<std::optional<double>, 2> spreadOf(const char* figure,
-                                              const std::vector<Report>& reports) {
+                                              const std::vector<Report>& reports, std::size_t from,
+                                              std::size_t to) {
     double n = 0, sum = 0, squares = 0;
-    for (const Report& r : reports)
-        if (const auto value = figureOf(figure, r)) {
+    for (std::size_t run = from; run < to; ++run)
+        if (const auto value = figureOf(figure, reports[run])) {
             n += 1;
             sum += *value;
             squares += *value * *value;
@@ -168,6 +169,13 @@ std::array<std::optional<double>, 2> spreadOf(const char* figure,
     if (n > 0) spread[0] = sum / n;
     if (n > 1) spread[1] = std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)));
     return spread;
+}
+
+/// Where the runs of the case end that begins with run `from`.
+std::size_t endOfCase(const std::vector<Report>& reports, std::size_t from) {
+    std::size_t to = from + 1;
+    while (to < reports.size() && reports[to].varied == reports[from].varied) ++to;
+    return to;
 }
 
 /// Which options the runs differ in.
@@ -212,20 +220,26 @@ std::string studySummary(const std::vector<Report>& reports, bool interrupted) {
     const bool spheres = columns.front().figure == std::string("count");
     for (const auto& c : columns) text += fmt::format(" {:>{}}", c.title, c.width);
     text += spheres ? fmt::format(" {:>17}\n", "hash") : "\n";
-    for (const Report& r : reports) {
-        for (const auto& [option, value] : r.varied)
+    const auto row = [&](std::size_t run, const std::string& name, const auto& valueOf) {
+        for (const auto& [option, value] : reports[run].varied)
             text += fmt::format("{:>{}} ", value, wide(option));
-        text += fmt::format("{:>8}", r.seed);
-        for (const auto& c : columns) text += cell(c, figureOf(c.figure, r));
-        text += spheres ? fmt::format(" {:>17}\n", hashText(r.hash)) : "\n";
+        text += fmt::format("{:>8}", name);
+        for (const auto& c : columns) text += cell(c, valueOf(c));
+    };
+    for (std::size_t from = 0, to; from < reports.size(); from = to) {
+        to = endOfCase(reports, from);
+        for (std::size_t run = from; run < to; ++run) {
+            const Report& r = reports[run];
+            row(run, std::to_string(r.seed), [&](const auto& c) { return figureOf(c.figure, r); });
+            text += spheres ? fmt::format(" {:>17}\n", hashText(r.hash)) : "\n";
+        }
+        if (to - from < 2) continue;
+        for (const std::size_t k : {0, 1}) {
+            row(from, k == 0 ? "mean" : "sd",
+                [&](const auto& c) { return spreadOf(c.figure, reports, from, to)[k]; });
+            text += '\n';
+        }
     }
-    std::string means = fmt::format("{:>8}", "mean"), deviations = fmt::format("{:>8}", "sd");
-    for (const auto& c : columns) {
-        const auto [mean, deviation] = spreadOf(c.figure, reports);
-        means += cell(c, mean);
-        deviations += cell(c, deviation);
-    }
-    if (options.empty()) text += means + '\n' + deviations + '\n';
     if (interrupted) text += fmt::format("interrupted after {} runs\n", reports.size());
     return text;
 }

@@ -278,7 +278,7 @@ double localBall(const PackRecipe& recipe, const RequestedSizes& requested,
 void lookCloser(PackPlan& plan, const PackRecipe& recipe, const DomainSource& source, double voxel,
                 double& ball) {
     // Of all threads, so that other work beside this one does not decide.
-    constexpr double kQuickSeconds = 1.2;
+    constexpr double kQuickSeconds = 0.6;
     const std::clock_t begin = std::clock();
     Callbacks timed;
     timed.cancelled = [&] {
@@ -316,8 +316,9 @@ Extent extentOf(const DomainSource& source, double detail, double reach, double 
         e.volume = size[0] * size[1];
         e.area = 2 * (size[0] + size[1]);
     } else {
-        e.volume = source.leftVolume();
-        e.area = e.field.area;
+        const auto left = source.left();
+        e.volume = left.volume;
+        e.area = left.area;
     }
     return e;
 }
@@ -366,8 +367,7 @@ PackPlan planPack(const PackRecipe& recipe, const DomainSource& source, bool clo
     e.solid = recipe.voids.fill == Fill::solid;
     if (const auto labels = labelGridOf(recipe.outputs, {&source}, recipe.memoryLimit))
         e.labelVoxels = static_cast<double>(labels->voxels());
-    const bool needed =
-        requested.differByPlace() || recipe.domain.slice || !recipe.domain.clips.empty();
+    const bool needed = requested.differByPlace() || recipe.domain.slice;
     if (closer && needed && e.field.voxels() < kQuickVoxels)
         lookCloser(plan, recipe, source, voxel, ball);
     expectSpheres(plan, recipe, source, ball,

@@ -2,7 +2,6 @@
 #include "vdbpack/domain/label_domains.h"
 #include "vdbpack/domain/mesh_parts.h"
 #include "vdbpack/formats/output_target.h"
-#include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/run_parts.h"
 
 #include <fmt/format.h>
@@ -30,11 +29,6 @@ void checkPartsRecipe(const PackRecipe& recipe) {
     refuse(recipe.packing.maxCount > 0, "`maxCount`");
     refuse(recipe.domain.slice.has_value(), "`slice`");
     refuse(recipe.ranks != nullptr, "mpirun");
-    if (isPage(recipe.reportFile))
-        throw ParameterError(
-            recipe.reportFile +
-            ": there is no report page of several parts; name it .json, and look at "
-            "the written pack with `vdb_pack view`");
     const bool cut = std::any_of(recipe.parts.begin(), recipe.parts.end(),
                                  [](const auto& part) { return part.voids.makesVoids(); });
     for (const OutputTarget& output : recipe.outputs)

@@ -160,7 +160,7 @@ void checkRanks(const PackRecipe& recipe) {
            "`voids` chosen among the spheres",
            "use voids such as boolean, overlay, grid or a list");
     const PreviewOptions& preview = recipe.preview;
-    refuse(!preview.file.empty() || preview.cut || preview.color != PreviewColor::radius,
+    refuse(!preview.file.empty() || preview.cut || preview.color != PreviewColor::chosen,
            "a picture", "draw it from a file that was written");
     for (const OutputTarget& output : recipe.outputs) {
         const OutputKind kind = output.kind;

@@ -11,6 +11,7 @@
 #include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/interfaces.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/shared_radii.h"
 #include "vdbpack/verify/overlap.h"
 
 #include <fmt/format.h>
@@ -23,78 +24,6 @@
 namespace vdbpack {
 
 namespace {
-
-/// Gives the parts that share the sizes of the whole run the radii that one of them was given, and
-/// scales these for another round if by far not as many spheres were packed as requested.
-class SharedRadii {
-public:
-    SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts.size()) {
-        const double target = recipe.targetCount > 0  ? recipe.targetCount
-                              : recipe.radius.empty() ? kDefaultCount
-                                                      : 0;
-        for (const Part& part : parts) shells_.push_back(part.recipe.shellRadius);
-        if (!(target > 0)) return;
-        double volume = 0, largest = 0;
-        for (std::size_t k = 0; k < parts.size(); ++k) {
-            const PackRecipe& part = parts[k].recipe;
-            shared_[k] = part.radius.spec() == recipe.radius.spec() &&
-                         part.weightBy == recipe.weightBy && part.targetCount == recipe.targetCount;
-            if (!shared_[k]) continue;
-            const double own = parts[k].source->leftVolume();
-            volume += own;
-            if (own <= largest) continue;
-            largest = own;
-            first_ = k;
-        }
-        if (!(largest > 0)) return;
-        target_ = target;
-        PackRecipe& first = parts[first_].recipe;
-        first.targetCount = std::max(1.0, std::round(target * largest / volume));
-        asked_ = requestedSizes(first, 3).sizes.mean();
-    }
-    /// Of the spheres of the parts that share radii; 0: none is requested.
-    double target() const { return target_; }
-    /// The order in which parts are packed.
-    std::vector<std::size_t> order() const {
-        std::vector<std::size_t> all(shared_.size());
-        for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
-        if (!all.empty())
-            std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(first_),
-                        all.begin() + static_cast<std::ptrdiff_t>(first_) + 1);
-        return all;
-    }
-    /// Called before each part is packed, in that order.
-    void prepare(PackRecipe& part, std::size_t k) const {
-        if (!shared_[k] || !found_) return;
-        part.radius = *found_;
-        part.targetCount = 0;
-        part.shellRadius = shells_[k].scaled(found_->mean() / asked_);
-    }
-    void take(const SizeDistribution& sizes, std::size_t k) {
-        if (shared_[k] && k == first_) found_ = sizes;
-    }
-    /// Spheres of the parts that share radii.
-    double count(const std::vector<std::unique_ptr<Run<3>>>& runs) const {
-        double sum = 0;
-        for (std::size_t k = 0; k < runs.size(); ++k)
-            if (shared_[k] && runs[k]) sum += static_cast<double>(runs[k]->report.count);
-        return sum;
-    }
-    /// For the next round, after one that has left `count` spheres.
-    void scaleFor(double count) { found_ = found_->scaled(std::cbrt(count / target_)).rounded(); }
-    /// What was chosen after the first round.
-    std::string chosen() const {
-        return fmt::format("radii {} mm, so that about {:.0f} {} are in all parts", found_->spec(),
-                           target_, Measure<3>::kSpheres);
-    }
-
-private:
-    std::vector<std::uint8_t> shared_;
-    std::vector<SizeRequest> shells_;  ///< as requested
-    std::size_t first_ = 0;
-    double target_ = 0, asked_ = 1;  ///< asked_: mean radius as requested, mm
-    std::optional<SizeDistribution> found_;
-};
 
 /// The packs of all parts.
 struct PackedParts {
@@ -290,7 +219,7 @@ void joinParts(const Parts& parts, PackedParts& packed, std::size_t warnings, Ru
         const DomainSource& source = *parts[k].source;
         const std::string& name = parts[k].recipe.name;
         joined.add(run, parts[k].recipe, all.pack.spheres.size());
-        const double own = source.leftVolume(false), left = source.leftVolume();
+        const double own = source.left(false).volume, left = source.left().volume;
         if (left < 0.99 * own)
             all.report.chosen.push_back(fmt::format(
                 "{}: {:.2g} % of its volume left to later parts", name, 100 * (1 - left / own)));
@@ -298,7 +227,7 @@ void joinParts(const Parts& parts, PackedParts& packed, std::size_t warnings, Ru
         step = std::min(step, run.facts.positionStep);
         addLevelSets(run, name, all.parts);
         if (const auto& mesh = source.mesh()) append(all.parts.walls, *mesh);
-        if (!all.settings.preview.file.empty())
+        if (!all.settings.preview.file.empty() || isPage(all.settings.reportFile))
             append(all.parts.drawn, *WallMesh(source, run.built, nullptr).get());
         all.parts.sources.push_back(parts[k].source);
         all.parts.solids.push_back(solidOf(run));
@@ -392,8 +321,11 @@ RunResult packParts(const PackRecipe& recipe, Parts parts, const Report& begun, 
     measureJoined(all);
     measureInterfaces(parts, all);
     setProperties(parts, packed, all);
+    PageDetails details;
+    if (isPage(recipe.reportFile)) details.radii = radiiOf(all.pack, 0, nullptr);
     RunResult result = finishStage(all);
-    writeReport(result, recipe.domain.source, recipe);
+    writeReport(result, recipe.partsFile.empty() ? recipe.domain.source : recipe.partsFile, recipe,
+                details);
     return result;
 }
 

@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::uint32_t kMost = 65534;  // of 16 bits; the last one stands for no number
 constexpr double kMostWhole = 4294967295;
 constexpr int kRampColors = 256;
-const std::array<std::string, 4> kColorNames{"radius", "region", "depth", "order"};
+const std::array<std::string, 5> kColorNames{"radius", "radius", "region", "depth", "order"};
 
 std::string packedWords(const std::vector<std::uint32_t>& numbers) {
     const bool wide =
@@ -305,6 +305,7 @@ template <int Dim>
 Json viewData(const ViewScene<Dim>& scene, const ViewOptions& options) {
     const Pack<Dim> none;
     const Pack<Dim>& pack = scene.pack ? *scene.pack : none;
+    const PreviewOptions colored = withColor(options, pack);
     if (scene.pack && pack.spheres.empty())
         throw ParameterError("view: the pack is empty; give one with spheres");
     const Box<3> bounds = boundsOf(scene);
@@ -312,9 +313,9 @@ Json viewData(const ViewScene<Dim>& scene, const ViewOptions& options) {
     Json facts{{"plane", Dim == 2},
                {"middle", bounds.center().c},
                {"half", (bounds.size() * 0.5).c},
-               {"color", options.color == PreviewColor::column
-                             ? options.column
-                             : kColorNames[static_cast<std::size_t>(options.color)]},
+               {"color", colored.color == PreviewColor::column
+                             ? colored.column
+                             : kColorNames[static_cast<std::size_t>(colored.color)]},
                {"ramp", ramp()}};
     if (Dim == 3 && options.cut) {
         checkPreviewCut(*options.cut, bounds);

@@ -1,0 +1,71 @@
+#include "vdbpack/run/shared_radii.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbpack {
+
+SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts.size()) {
+    const double target = recipe.targetCount > 0  ? recipe.targetCount
+                          : recipe.radius.empty() ? kDefaultCount
+                                                  : 0;
+    for (const Part& part : parts) shells_.push_back(part.recipe.shellRadius);
+    if (!(target > 0)) return;
+    double volume = 0, largest = 0;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        const PackRecipe& part = parts[k].recipe;
+        shared_[k] = part.radius.spec() == recipe.radius.spec() &&
+                     part.weightBy == recipe.weightBy && part.targetCount == recipe.targetCount;
+        if (!shared_[k]) continue;
+        const double own = parts[k].source->left().volume;
+        volume += own;
+        if (own <= largest) continue;
+        largest = own;
+        first_ = k;
+    }
+    if (!(largest > 0)) return;
+    target_ = target;
+    PackRecipe& first = parts[first_].recipe;
+    first.targetCount = std::max(1.0, std::round(target * largest / volume));
+    asked_ = requestedSizes(first, 3).sizes.mean();
+}
+
+std::vector<std::size_t> SharedRadii::order() const {
+    std::vector<std::size_t> all(shared_.size());
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
+    if (!all.empty())
+        std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(first_),
+                    all.begin() + static_cast<std::ptrdiff_t>(first_) + 1);
+    return all;
+}
+
+void SharedRadii::prepare(PackRecipe& part, std::size_t k) const {
+    if (!shared_[k] || !found_) return;
+    part.radius = *found_;
+    part.targetCount = 0;
+    part.shellRadius = shells_[k].scaled(found_->mean() / asked_);
+}
+
+void SharedRadii::take(const SizeDistribution& sizes, std::size_t k) {
+    if (shared_[k] && k == first_) found_ = sizes;
+}
+
+double SharedRadii::count(const std::vector<std::unique_ptr<Run<3>>>& runs) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < runs.size(); ++k)
+        if (shared_[k] && runs[k]) sum += static_cast<double>(runs[k]->report.count);
+    return sum;
+}
+
+void SharedRadii::scaleFor(double count) {
+    found_ = found_->scaled(std::cbrt(count / target_)).rounded();
+}
+
+std::string SharedRadii::chosen() const {
+    return fmt::format("radii {} mm, so that about {:.0f} {} are in all parts", found_->spec(),
+                       target_, Measure<3>::kSpheres);
+}
+
+}  // namespace vdbpack
