@@ -41,20 +41,6 @@ PackRecipe meshPart(const std::string& file, const Box<3>& box, const char* name
 
 }  // namespace
 
-TEST_CASE("a page of parts lists them, and leaves out what is not measured of several") {
-    const TemporaryFolder folder;
-    PackRecipe recipe;
-    recipe.domain.source = folder.file("halves.nrrd");
-    writeHalves(recipe.domain.source);
-    recipe.domain.label = "all";
-    recipe.targetCount = 300;
-    recipe.reportFile = folder.file("page.html");
-    const RunResult run = runPack(recipe);
-    const std::string page = contentOf(recipe.reportFile);
-    for (const PartReport& part : run.report.parts) CHECK_THAT(page, Contains(part.name));
-    CHECK_THAT(page, Contains("Sizes") && !Contains("There are no") && !Contains("chart-pairs"));
-}
-
 TEST_CASE("labels of an image are packed as parts that no sphere crosses") {
     const TemporaryFolder folder;
     const std::string file = folder.file("halves.nrrd");

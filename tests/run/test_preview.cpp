@@ -1,3 +1,4 @@
+#include "support/image_file.h"
 #include "support/jobs.h"
 #include "support/test.h"
 
@@ -149,4 +150,18 @@ TEST_CASE("packs and solids of files are drawn") {
     solid.preview.file = folder.file("solid.png");
     runConvert(solid);
     CHECK(isPng(folder.file("solid.png")));
+}
+
+TEST_CASE("a page of parts lists them, and leaves out what is not measured of several") {
+    const TemporaryFolder folder;
+    PackRecipe recipe;
+    recipe.domain.source = folder.file("halves.nrrd");
+    writeHalves(recipe.domain.source);
+    recipe.domain.label = "all";
+    recipe.targetCount = 300;
+    recipe.reportFile = folder.file("page.html");
+    const RunResult run = runPack(recipe);
+    const std::string page = contentOf(recipe.reportFile);
+    for (const PartReport& part : run.report.parts) CHECK_THAT(page, Contains(part.name));
+    CHECK_THAT(page, Contains("Sizes") && !Contains("There are no") && !Contains("chart-pairs"));
 }
