@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3292},
     {"lib/vdbpack/run", 6088},
     {"tools", 3811},
-    {"tests", 33626},
+    {"tests", 33627},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;
