@@ -103,3 +103,46 @@ TEST_CASE("labels that touch have the area of the voxels between them") {
     // A ball of radius 12 mm in two halves.
     CHECK(run.report.interfaces.front().area == Approx(std::acos(-1.0) * 144).epsilon(0.05));
 }
+
+TEST_CASE("one pack over two labels has as many bonds across their border as anywhere") {
+    const TemporaryFolder folder;
+    PackRecipe recipe;
+    recipe.domain.source = folder.file("halves.nrrd");
+    writeHalves(recipe.domain.source);
+    recipe.domain.label = "9,5";
+    recipe.domain.partsBy = PartsBy::center;
+    recipe.radius = SizeRequest::parse("uniform:0.3,0.6");
+    recipe.contactTolerance = recipe.bonds.tolerance = 0.05;
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    const auto& part = pack.columns.front();
+    CHECK(part.names == std::vector<std::string>{"9", "5"});
+    // The border of the labels, and planes beside it, through a ball of radius 12.
+    const Vec<3> normal = normalized(Vec<3>{{1, 0, 0.5}});
+    const double border = 1 / std::sqrt(1.25);
+    const auto depthOf = [&](std::size_t i) { return dot(normal, pack.spheres[i].center); };
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+        if (std::fabs(depthOf(i) - border) > 1)
+            CHECK(part.numbers[i] == (depthOf(i) > border ? 0 : 1));
+    const auto bonds = listContacts(pack.spheres, recipe.contactTolerance);
+    const auto across = [&](double at) {
+        const auto crosses = [&](const Contact& c) {
+            return (depthOf(c.i) > at) != (depthOf(c.j) > at);
+        };
+        return static_cast<double>(std::count_if(bonds.begin(), bonds.end(), crosses)) /
+               Measure<2>::ball(std::sqrt(144 - at * at));
+    };
+    const double elsewhere = (across(-3) + across(-1.5) + across(3) + across(4.5)) / 4;
+    REQUIRE(run.report.interfaces.size() == 1);
+    const InterfaceReport& found = run.report.interfaces.front();
+    CHECK(found.perArea() == Approx(elsewhere).epsilon(0.1));
+    CHECK(found.pairs == run.report.contactsBetweenParts);
+    for (const std::string& text : run.report.warnings) CHECK_THAT(text, !Contains("weak plane"));
+    // The same spheres as over both labels joined, each in one part.
+    recipe.domain.partsBy = PartsBy::none;
+    recipe.domain.label = "5+9";
+    CHECK(runPack(recipe).report.hash == run.report.hash);
+    CHECK(run.report.parts[0].count + run.report.parts[1].count == run.report.count);
+    recipe.domain.partsBy = PartsBy::center;
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+}

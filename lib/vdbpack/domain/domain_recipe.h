@@ -52,8 +52,9 @@ struct Pose {
     }
 };
 
-/// Whether a mesh is one domain, or has parts: by names in its file, or its connected components.
-enum class PartsBy { none, group, component };
+/// Whether there is one domain, or parts: of a mesh by names in its file, or its connected
+/// components; or one pack over several labels of an image, the part of a sphere by its center.
+enum class PartsBy { none, group, component, center };
 
 /// From which value on an image is taken.
 struct Threshold {

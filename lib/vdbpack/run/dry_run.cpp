@@ -106,6 +106,7 @@ DryRun dryRunPack(const PackRecipe& asked, const Callbacks& callbacks) {
         for (PackRecipe& part : recipe.parts)
             part.voids = withSample(part.voids, part.domain, callbacks);
         Clock clock;
+        partsByCenter(recipe, callbacks);
         Parts parts = partsOf(recipe, callbacks);
         if (parts.empty())
             parts.push_back({recipe, std::make_shared<DomainSource>(recipe.domain, callbacks)});

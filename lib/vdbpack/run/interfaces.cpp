@@ -22,8 +22,8 @@ namespace {
 /// the area of their triangle.
 constexpr std::size_t kWallPoints = 20000;
 constexpr double kOutside = 1e-3;
-/// Share of the bonds of the bulk below which an interface is weak.
-constexpr double kWeak = 0.5;
+/// Share of the bonds of the bulk below which an interface is weak, if it should have so many.
+constexpr double kWeak = 0.5, kFew = 4;
 /// Largest gap, in smaller radii, of pairs that are sought as bonds of an interface.
 constexpr double kFar = 1;
 
@@ -77,7 +77,7 @@ double bulkBonds(const std::vector<const Bond*>& bonds, double volume) {
 
 /// The tolerance with which an interface has so many bonds; nothing if there are fewer pairs.
 std::optional<double> toleranceFor(double wanted, const PartPair& pair, const Run<3>& all) {
-    const auto& part = all.pack.columns.front().numbers;
+    const auto& part = columnOfNumbers(all.pack, kPartColumn)->numbers;
     Pack<3> near;
     std::vector<std::size_t> of;
     const double reach = 2 * all.report.radius.max;
@@ -102,7 +102,7 @@ std::optional<double> toleranceFor(double wanted, const PartPair& pair, const Ru
 
 void warnOfWeak(const InterfaceReport& r, const PartPair& pair, const Run<3>& all) {
     const double bulk = std::min(r.bulk[0], r.bulk[1]);
-    if (!(r.perArea() < kWeak * bulk)) return;
+    if (!(r.perArea() < kWeak * bulk) || bulk * r.area < kFew) return;
     const auto enough = toleranceFor(bulk * r.area, pair, all);
     all.callbacks.warn(
         fmt::format("{} and {}: {} bonds on {:.4g} mm² of their common wall, {:.2g} per mm², where "
@@ -127,7 +127,7 @@ std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance) {
 void measureInterfaces(const Parts& parts, Run<3>& all) {
     if (all.report.interrupted || all.pack.spheres.empty()) return;
     const auto bonds = bondsIn(all.pack, bondOptionsOf(all.settings));
-    auto byParts = bondsByParts(bonds, all.pack.columns.front().numbers);
+    auto byParts = bondsByParts(bonds, columnOfNumbers(all.pack, kPartColumn)->numbers);
     const auto& outputs = all.settings.outputs;
     const bool bonded = std::any_of(outputs.begin(), outputs.end(),
                                     [](const OutputTarget& output) { return output.listsPairs(); });

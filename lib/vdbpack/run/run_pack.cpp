@@ -108,9 +108,11 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
 template <int Dim>
 RunResult packPrepared(const PackRecipe& recipe, const SourcePtr& source,
                        const Prepared<Dim>& prepared, const Report& begun, const Clock& clock,
-                       const Callbacks& callbacks) {
+                       const Parts& centers, const Callbacks& callbacks) {
     const auto packed = packMeasured(recipe, source, prepared, begun, clock, callbacks);
     Run<Dim>& run = *packed;
+    if constexpr (Dim == 3)
+        if (!centers.empty()) takeCenters(centers, run);
     PageDetails details;
     if (isPage(recipe.reportFile))
         run.unlessInterrupted([&] {
@@ -127,7 +129,7 @@ RunResult packPrepared(const PackRecipe& recipe, const SourcePtr& source,
 
 template <int Dim>
 void packAll(const std::vector<PackRecipe>& recipes, const SourcePtr& source, const Report& begun,
-             Clock clock, const Callbacks& callbacks,
+             Clock clock, const Parts& centers, const Callbacks& callbacks,
              const std::function<bool(RunResult&&)>& done) {
     Report first = begun;
     clock.lap();
@@ -135,7 +137,7 @@ void packAll(const std::vector<PackRecipe>& recipes, const SourcePtr& source, co
         prepare<Dim>(recipes.front(), *source, keepingWarnings(callbacks, first.warnings));
     first.seconds.domain = clock.lap();
     for (const PackRecipe& recipe : recipes) {
-        if (!done(packPrepared(recipe, source, prepared, first, clock, callbacks))) return;
+        if (!done(packPrepared(recipe, source, prepared, first, clock, centers, callbacks))) return;
         // Seconds spent once are reported once.
         first.seconds = {};
         clock = Clock();
@@ -207,6 +209,9 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
                 part.voids = withSample(part.voids, part.domain, heard);
         }
         warnOfUnusedWeights(recipe.weightBy, {&recipe.radius, &recipe.shellRadius}, heard);
+        const Parts centers = partsByCenter(recipes.front(), heard);
+        if (!centers.empty())
+            for (PackRecipe& r : recipes) r.domain = recipe.domain;
         if (Parts parts = partsOf(recipe, heard); !parts.empty()) {
             report.seconds.mesh = clock.lap();
             if (recipes.size() > 1)
@@ -214,7 +219,9 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
             done(packParts(recipe, std::move(parts), report, clock, callbacks));
             return;
         }
-        const auto source = std::make_shared<const DomainSource>(recipe.domain, heard);
+        Callbacks once = heard;
+        if (!centers.empty()) once.warning = nullptr;  // their labels were warned of one by one
+        const auto source = std::make_shared<const DomainSource>(recipe.domain, once);
         report.seconds.mesh = clock.lap();
         if (recipe.ranks) checkRanksIn(*source, recipe);
         beginOn({source.get()}, recipe, asked.front().voids, report, heard, false,
@@ -222,9 +229,9 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
         warnOfUnused(recipe.domain, *source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source->dim());
         if (source->dim() == 3)
-            packAll<3>(recipes, source, report, clock, callbacks, done);
+            packAll<3>(recipes, source, report, clock, centers, callbacks, done);
         else
-            packAll<2>(recipes, source, report, clock, callbacks, done);
+            packAll<2>(recipes, source, report, clock, centers, callbacks, done);
     };
     try {
         // One thread more speaks with the other ranks.

@@ -19,6 +19,12 @@ using Parts = std::vector<Part>;
 /// domain. @throws as `runPack`
 Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks);
 
+/// Makes the labels of a recipe with `PartsBy::center` one domain, and returns the parts that they
+/// are; none for other recipes. @throws as `partsOf`; ParameterError without several labels
+Parts partsByCenter(PackRecipe& recipe, const Callbacks& callbacks);
+/// Gives each sphere the part that its center lies in, and reports the parts with their interfaces.
+void takeCenters(const Parts& parts, Run<3>& run);
+
 /// Packs, cuts and measures one part (run_pack.cpp). @throws as `runPack`
 std::unique_ptr<Run<3>> packPart(const PackRecipe& recipe,
                                  const std::shared_ptr<const DomainSource>& source,
