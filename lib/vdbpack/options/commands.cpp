@@ -21,25 +21,17 @@ const char* const kSolidHelp =
 const char* const kRequiredDomain = "DOMAIN (required without a cell in PACK)";
 const Names<Fill> kFills{{"domain", Fill::domain}, {"solid", Fill::solid}};
 
-Names<PartsBy> partsNames(bool center) {
-    Names<PartsBy> names{{"group", PartsBy::group}, {"component", PartsBy::component}};
-    if (center) names.emplace_back("center", PartsBy::center);
-    return names;
-}
+const Names<PartsBy> kPartsBy{
+    {"group", PartsBy::group}, {"component", PartsBy::component}, {"center", PartsBy::center}};
 
-/// @param center  whether one pack may lie over several parts.
-void partsOption(OptionList& rows, std::string& file, PartsBy& by, const char* help, bool center) {
+void partsOption(OptionList& rows, std::string& file, PartsBy& by, const char* help) {
     rows.group("Domain");
     rows.text("parts", "FILE.toml", file, help).as("partsFile").naming(FileIn::whole);
-    rows.choice("parts-by", center ? "group|component|center" : "group|component", by,
-                partsNames(center),
-                std::string("take several parts from the mesh of the domain: the solids of an "
-                            "ASCII .stl or the groups (g, o) of an .obj, or its connected "
-                            "components") +
-                    (center ? "; center: one pack over several labels of an image (`label` A,B or "
-                              "all), without a wall between them, where each sphere belongs to "
-                              "the label at its center"
-                            : ""))
+    rows.choice("parts-by", "group|component|center", by, kPartsBy,
+                "group, component: several parts of the mesh of the domain, which are the solids "
+                "of an ASCII .stl or the groups (g, o) of an .obj, or its connected components; "
+                "center: one pack over several labels of an image (`label` A,B or all), without "
+                "walls between them, each sphere in the label at its center")
         .as("partsBy")
         .excludes = "parts";
 }
@@ -50,8 +42,7 @@ void list(OptionList& rows, PackJob& job, PrintOptions& print) {
     domainOptions(rows, job.domain);
     partsOption(rows, job.partsFile, job.domain.partsBy,
                 "pack several domains, each a table [[part]] of a TOML file: name, domain, and "
-                "options by their names. Where they overlap, the later one has the space",
-                true);
+                "options by their names. Where they overlap, the later one has the space");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     imagesOption(rows, job.images);
     sphereOptions(rows, job);
@@ -128,8 +119,7 @@ void list(OptionList& rows, DensifyRecipe& job, PrintOptions& print) {
 void list(OptionList& rows, VerifyRecipe& job, PrintOptions& print) {
     inputPackOptions(rows, job, "PACK", kPackHelp);
     partsOption(rows, job.partsFile, job.domain.partsBy,
-                "the parts that the pack was made with: each sphere is held against its own",
-                false);
+                "the parts that the pack was made with: each sphere is held against its own");
     gapOption(rows, job.gap, "least distance required between spheres, mm");
     rows.group("Run");
     rows.count("places", "N", job.vacancySamples, 1, kMostVacancySamples,

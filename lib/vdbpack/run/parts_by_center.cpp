@@ -6,6 +6,7 @@
 #include "vdbpack/mesh/mesh_sides.h"
 #include "vdbpack/run/interfaces.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,15 +43,20 @@ Parts partsByCenter(PackRecipe& recipe, const Callbacks& callbacks) {
     PackRecipe apart = recipe;
     apart.domain.partsBy = PartsBy::none;
     if (apart.domain.label.empty()) apart.domain.label = "all";
-    Parts parts = partsOf(apart, callbacks);
+    // What they would warn of, the domain warns of.
+    Callbacks quiet = callbacks;
+    quiet.warning = nullptr;
+    Parts parts = partsOf(apart, quiet);
     if (parts.empty())
         throw ParameterError(recipe.domain.source +
                              ": `partsBy` center is for several labels of an image; give `label` "
                              "A,B or all");
     recipe.domain.partsBy = PartsBy::none;
-    recipe.domain.label.clear();
-    for (const Part& part : parts)
-        recipe.domain.label += (recipe.domain.label.empty() ? "" : "+") + part.recipe.domain.label;
+    std::string& label = recipe.domain.label = apart.domain.label;
+    std::replace(label.begin(), label.end(), ',', '+');
+    if (label != "all") return parts;
+    label.clear();
+    for (const Part& part : parts) label += (label.empty() ? "" : "+") + part.recipe.domain.label;
     return parts;
 }
 

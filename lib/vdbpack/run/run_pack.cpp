@@ -219,9 +219,7 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
             done(packParts(recipe, std::move(parts), report, clock, callbacks));
             return;
         }
-        Callbacks once = heard;
-        if (!centers.empty()) once.warning = nullptr;  // their labels were warned of one by one
-        const auto source = std::make_shared<const DomainSource>(recipe.domain, once);
+        const auto source = std::make_shared<const DomainSource>(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
         if (recipe.ranks) checkRanksIn(*source, recipe);
         beginOn({source.get()}, recipe, asked.front().voids, report, heard, false,

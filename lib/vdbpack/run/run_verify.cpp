@@ -96,9 +96,10 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
         PackRecipe filled;
         filled.domain = recipe.domain;
         filled.parts = recipe.parts;
+        partsByCenter(filled, callbacks);
         const Parts parts = partsOf(filled, callbacks);
         VerifyRecipe whole = recipe;
-        if (!parts.empty()) whole.domain = {};
+        whole.domain = parts.empty() ? filled.domain : DomainRecipe();
         if (!parts.empty() && recipe.vacancySamples > 0)
             throw ParameterError(
                 "`vacancySamples`: are not searched in several parts; verify them one by one");
