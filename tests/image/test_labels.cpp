@@ -142,3 +142,39 @@ TEST_CASE("a warning tells how much of thin parts a threshold loses") {
     REQUIRE(warnings.size() == 1);
     CHECK_THAT(warnings[0], Contains("400 voxels") && Contains("-89 %"));
 }
+
+TEST_CASE("a mask keeps the voxels that lie in a label of another image, on its own grid") {
+    const TemporaryFolder folder;
+    writeHalves(folder.file("halves.nrrd"));
+    const auto mask = Voxels<std::uint8_t>::of(turned(gridAround(20, {{0.7, 0.8, 0.9}}), 0.1, -0.2),
+                                               [](const Vec<3>& p) {
+                                                   return p[2] > 3 ? 22 : p[2] > -5 ? 21 : 0;
+                                               });
+    writeNrrd(folder.file("mask.nrrd"), mask, "uint8");
+    DomainRecipe domain;
+    domain.source = folder.file("halves.nrrd");
+    const Image all = readDomainImage(domain, {});
+    const auto kept = GENERATE(std::pair("22", 3.0), std::pair("21+22", -5.0));
+    domain.mask = kept.first + ("=" + folder.file("mask.nrrd"));
+    const Image image = readDomainImage(domain, {});
+    const auto at = [](const Image& i, std::size_t n) {
+        return reinterpret_cast<const std::uint8_t*>(i.bytes.get())[n];
+    };
+    std::size_t n = 0, within = 0;
+    for (std::size_t k = 0; k < all.grid.size[2]; ++k)
+        for (std::size_t j = 0; j < all.grid.size[1]; ++j)
+            for (std::size_t i = 0; i < all.grid.size[0]; ++i, ++n) {
+                const Vec<3> x = all.grid.at({{double(i), double(j), double(k)}});
+                if (std::fabs(x[2] - kept.second) < 1) continue;  // a voxel of the mask
+                const bool in = x[2] > kept.second;
+                within += in && at(all, n) != 0;
+                REQUIRE(at(image, n) == (in ? at(all, n) : 0));
+            }
+    CHECK(within > 500);
+    domain.mask = "23=" + folder.file("mask.nrrd");
+    CHECK_THROWS_AS(readDomainImage(domain, {}), ParameterError);
+    domain.mask = folder.file("mask.nrrd");
+    CHECK_THROWS_AS(readDomainImage(domain, {}), ParameterError);
+    domain.mask = "22=" + folder.file("other.nrrd");
+    CHECK_THROWS_AS(readDomainImage(domain, {}), IoError);
+}

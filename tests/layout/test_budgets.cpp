@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 89941},
+    {"lib", 90138},
     {"lib/python", 2015},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2932},
@@ -30,7 +30,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/image", 5705},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2831},
-    {"lib/vdbpack/domain", 6873},
+    {"lib/vdbpack/domain", 6955},
     {"lib/vdbpack/pack", 7727},
     {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/bonds", 614},
@@ -41,10 +41,10 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/preview", 3277},
     {"lib/vdbpack/view", 1567},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3292},
-    {"lib/vdbpack/run", 6088},
+    {"lib/vdbpack/options", 3298},
+    {"lib/vdbpack/run", 6197},
     {"tools", 3811},
-    {"tests", 33627},
+    {"tests", 33706},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

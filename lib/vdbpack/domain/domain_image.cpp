@@ -1,6 +1,7 @@
 #include "vdbpack/domain/domain_image.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/pose.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/suggest.h"
@@ -9,8 +10,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <type_traits>
 #include <utility>
 
 namespace vdbpack {
@@ -98,11 +103,83 @@ Image placedImage(const DomainRecipe& recipe, const Callbacks& callbacks, bool u
     return image;
 }
 
+/// For each voxel of `grid`, whether its center lies in a label of another image, LABEL=FILE.
+std::vector<std::uint8_t> maskOver(const ImageGrid& grid, const DomainRecipe& recipe,
+                                   const Callbacks& callbacks) {
+    const auto equals = recipe.mask.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == recipe.mask.size())
+        throw ParameterError("`mask` " + recipe.mask +
+                             ": write LABEL=FILE, such as 22=vertebrae.nii.gz");
+    DomainRecipe other = recipe;
+    other.source = recipe.mask.substr(equals + 1);
+    other.label = recipe.mask.substr(0, equals);
+    other.image = nullptr;
+    requireGreyImage("`mask`", other.source);
+    Image image = placedImage(other, callbacks, true);
+    roundLabels(image, other.source, callbacks);
+    const LabelPart part = selectedPart(other, requiredLabels(other, image));
+    const ImageIndexer indexer(image.grid);
+    const Vec<3> first = indexer.indexOf(grid.origin);
+    std::vector<std::uint8_t> mask(grid.voxels());
+    image.visit([&](const auto* numbers) {
+        const auto isIn = [&](const Vec<3>& index) {
+            std::size_t at = 0;
+            for (std::size_t d = 3; d-- > 0;) {
+                const double nearest = std::round(index[static_cast<int>(d)]);
+                if (!(nearest >= 0) || nearest >= static_cast<double>(image.grid.size[d]))
+                    return false;
+                at = at * image.grid.size[d] + static_cast<std::size_t>(nearest);
+            }
+            return std::any_of(part.labels.begin(), part.labels.end(), [&](const LabelCount& l) {
+                return image.value(numbers[at * image.layers + l.layer]) ==
+                       static_cast<double>(l.value);
+            });
+        };
+        std::array<Vec<3>, 3> step;
+        for (std::size_t d = 0; d < 3; ++d)
+            step[d] = indexer.indexOf(grid.origin + grid.step[d]) - first;
+        parallelFor(std::size_t(0), grid.size[2], [&](std::size_t k) {
+            std::size_t at = k * grid.size[0] * grid.size[1];
+            for (std::size_t j = 0; j < grid.size[1]; ++j)
+                for (std::size_t i = 0; i < grid.size[0]; ++i)
+                    mask[at++] =
+                        isIn(first + static_cast<double>(i) * step[0] +
+                             static_cast<double>(j) * step[1] + static_cast<double>(k) * step[2]);
+        });
+    });
+    return mask;
+}
+
+/// Sets voxels of a label map off the mask to 0.
+void applyMask(Image& image, const DomainRecipe& recipe, const Callbacks& callbacks) {
+    requiredLabels(recipe, image);
+    const auto mask = maskOver(image.grid, recipe, callbacks);
+    const std::size_t each = bytesOf(image.type), bytes = image.values() * each;
+    const auto kept = image.bytes;  // which others may share
+    image.bytes = voxelMemory(bytes);
+    if (!image.bytes)
+        throw ResourceError(recipe.source + ": there is not enough memory to mask its voxels");
+    std::copy_n(kept.get(), bytes, image.bytes.get());
+    std::array<std::byte, sizeof(double)> nothing{};
+    image.visit([&](const auto* numbers) {
+        const auto zero = static_cast<std::decay_t<decltype(*numbers)>>(
+            std::round(-image.intercept / image.slope));
+        std::memcpy(nothing.data(), &zero, each);
+    });
+    for (std::size_t n = 0; n < mask.size(); ++n)
+        for (std::size_t l = 0; !mask[n] && l < image.layers; ++l)
+            std::copy_n(nothing.data(), each, image.bytes.get() + (n * image.layers + l) * each);
+}
+
 }  // namespace
 
 Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
     Image image = placedImage(recipe, callbacks, false);
     roundLabels(image, recipe.source, callbacks);
+    if (recipe.mask.empty()) return image;
+    if (recipe.threshold)
+        throw ParameterError("`mask` is for label maps; leave it or `threshold` out");
+    applyMask(image, recipe, callbacks);
     return image;
 }
 

@@ -94,6 +94,8 @@ struct DomainRecipe {
     /// Value at the surface, of a fog volume in a .vdb or of an image.
     std::optional<Threshold> threshold;
     std::string label;  ///< of an image: a value or a name, or several joined by "+"
+    /// LABEL=FILE: only the voxels of a label map whose centers lie in that label of another one.
+    std::string mask;
     /// Distances of the voxels of an image that states none, else of label maps that are written,
     /// mm; nothing: the distances that the image states.
     std::optional<Vec<3>> voxelSpacing;

@@ -65,8 +65,9 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     if (recipe.threshold && !levelSet && !image)
         callbacks.warn(fmt::format("`threshold` {} has no effect: {} is no .vdb and no image",
                                    recipe.threshold->text(), text));
-    if (!image && !recipe.label.empty())
-        callbacks.warn("`label` " + recipe.label + " has no effect: " + text + " is no image");
+    for (const auto& [name, value] : {std::pair("label", recipe.label), {"mask", recipe.mask}})
+        if (!image && !value.empty())
+            callbacks.warn(fmt::format("`{}` {} has no effect: {} is no image", name, value, text));
     if ((levelSet || image) && (recipe.repair || recipe.cavities.any()))
         callbacks.warn("`repair` and `cavities` have no effect: " + text +
                        (image ? " is an image" : " is a level set"));

@@ -51,6 +51,7 @@ DomainSource LabelledImage::source(const DomainRecipe& domain, std::size_t part,
 
 LabelledImage& LabelledImages::of(const DomainRecipe& domain) {
     const Key key{domain.source,
+                  domain.mask,
                   domain.image,
                   domain.voxelSpacing.value_or(Vec<3>{}).c,
                   domain.unit,

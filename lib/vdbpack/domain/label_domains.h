@@ -54,9 +54,9 @@ public:
 
 private:
     /// What recipes that read the same image in the same way have in common.
-    using Key = std::tuple<std::string, std::shared_ptr<const Image>, std::array<double, 3>, Unit,
-                           double, ImageSpace, std::string, std::vector<double>,
-                           std::vector<double>, std::array<double, 3>>;
+    using Key = std::tuple<std::string, std::string, std::shared_ptr<const Image>,
+                           std::array<double, 3>, Unit, double, ImageSpace, std::string,
+                           std::vector<double>, std::vector<double>, std::array<double, 3>>;
 
     const Callbacks& callbacks_;
     std::map<Key, LabelledImage> images_;
