@@ -93,3 +93,31 @@ TEST_CASE("bonds are written in the unit of lengths, forces in N") {
     CHECK(m["k_n"] == Approx(1e3 * mm["k_n"]));
     CHECK(m["k_bending"] == Approx(1e-3 * mm["k_bending"]));
 }
+
+TEST_CASE("columns of touching spheres between two grips are springs one after another") {
+    const TemporaryFolder folder;
+    const int columns = 4, layers = 10;
+    std::ofstream file(folder.file("bar.csv"));
+    file << "x,y,z,radius,modulus_MPa\n";
+    const char axis = GENERATE('x', 'z');
+    for (int i = 0; i < columns; ++i)
+        for (int j = 0; j < columns; ++j)
+            for (int k = 0; k < layers; ++k)
+                if (axis == 'z')
+                    file << i - 1.5 << ',' << j - 1.5 << ',' << k - 4.5 << ",0.5,800\n";
+                else
+                    file << k - 4.5 << ',' << j - 1.5 << ',' << i - 1.5 << ",0.5,800\n";
+    file.close();
+    const std::string words = folder.file("bar.csv") + " --contact-tol 0.01 --domain box:" +
+                              (axis == 'z' ? "4,4,10" : "10,4,4") + " --press " + axis;
+    const auto pressed = stiffnessJson(words + " --grip 1.6")["pressed"];
+    // Two layers in each grip, and seven bonds from one to the other.
+    CHECK(pressed["held"] == nlohmann::json({32, 32}));
+    const double bond = 800 * 3.14159265358979 * 0.25;  // E A / length
+    CHECK(pressed["stiffness"].get<double>() == Approx(16 * bond / 7).epsilon(1e-4));
+    CHECK(pressed["gauge"].get<double>() == Approx(6.8));
+    CHECK(pressed["modulus"].get<double>() == Approx(bond / 7 * 6.8).epsilon(1e-4));
+    CHECK_THAT(vdbPack("stiffness " + words + " --grip 1.6").text, Contains("MPa apparent"));
+    CHECK_THAT(vdbPack("stiffness " + words + " --grip 5").text, Contains("--grip"));
+    CHECK(vdbPack("stiffness " + words + " --boundary 1").code == 2);
+}

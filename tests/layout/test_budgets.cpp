@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 90138},
+    {"lib", 90447},
     {"lib/python", 2015},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2932},
@@ -30,21 +30,21 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/image", 5705},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2831},
-    {"lib/vdbpack/domain", 6955},
-    {"lib/vdbpack/pack", 7727},
+    {"lib/vdbpack/domain", 6968},
+    {"lib/vdbpack/pack", 7729},
     {"lib/vdbpack/densify", 4747},
-    {"lib/vdbpack/bonds", 614},
+    {"lib/vdbpack/bonds", 666},
     {"lib/vdbpack/measure", 5535},
     {"lib/vdbpack/voids", 7994},
-    {"lib/vdbpack/formats", 9733},
-    {"lib/vdbpack/report", 3823},
-    {"lib/vdbpack/preview", 3277},
-    {"lib/vdbpack/view", 1567},
+    {"lib/vdbpack/formats", 9748},
+    {"lib/vdbpack/report", 3873},
+    {"lib/vdbpack/preview", 3344},
+    {"lib/vdbpack/view", 1563},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3298},
-    {"lib/vdbpack/run", 6197},
+    {"lib/vdbpack/options", 3338},
+    {"lib/vdbpack/run", 6271},
     {"tools", 3811},
-    {"tests", 33706},
+    {"tests", 33761},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

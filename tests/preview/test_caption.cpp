@@ -5,6 +5,10 @@
 #include "vdbpack/preview/preview.h"
 #include "vdbpack/preview/sphere_colors.h"
 
+#include <fmt/format.h>
+
+#include <set>
+
 namespace {
 
 /// A ball about the origin with a smaller one on each side: 1 to 6 at +x, -x, +y, -y, +z, -z.
@@ -196,7 +200,7 @@ TEST_CASE("a legend has the colors and names of what occurs") {
     for (const double t : {0.1, 0.5, 0.9}) CHECK(shows(ramp, rampColor(t)));
     // The parts of a pack that has several, unless something else is asked for.
     pack.columns = {{"part", {0, 2, 2, 0}, {}}};
-    const auto color = [](std::size_t k) { return fromSrgb(kindColors()[k]); };
+    const auto color = [](std::size_t k) { return fromSrgb(kindColors(kFewKinds)[k]); };
     const Picture parts = drawn(pack, options);
     CHECK(shows(parts, color(0)));
     CHECK(!shows(parts, color(1)));
@@ -211,6 +215,29 @@ TEST_CASE("a legend has the colors and names of what occurs") {
     options.color = PreviewColor::chosen;
     pack.columns.front().numbers = {1, 1, 1, 1};
     CHECK_THAT(wordsOf(drawn(pack, options)), Contains("colored by radius"));
+}
+
+TEST_CASE("many parts have colors and names of their own, or are counted") {
+    const auto colors = kindColors(60);
+    CHECK(std::set<std::uint32_t>(colors.begin(), colors.end()).size() == 60);
+    CHECK(kindColors(9)[8] == colors[8]);
+    if (!canDrawSpace()) return;
+    auto pack = rowOf(0, 60);
+    Column part{"part", {}, {}};
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        part.numbers.push_back(static_cast<double>(i));
+        part.names.push_back(fmt::format("vertebra {}", i));
+    }
+    const std::size_t last = part.names.size() - 1;
+    REQUIRE(last > 8);
+    pack.columns = {part};
+    PreviewOptions options;
+    options.width = 1600;
+    options.height = 400;
+    const Picture all = drawn(pack, options);
+    CHECK_THAT(wordsOf(all), Contains(part.names[last]));
+    for (const std::size_t k : {std::size_t(9), last})
+        CHECK(shows(all, fromSrgb(kindColors(last + 1)[k])));
 }
 
 TEST_CASE("a view decides which side of a cut is kept, and must face the cut") {

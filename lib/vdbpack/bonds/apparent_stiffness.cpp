@@ -306,30 +306,75 @@ double affineEnergy(const std::vector<Bond>& bonds, std::size_t a, std::size_t b
     return energy;
 }
 
+using Solver = Eigen::ConjugateGradient<BondOperator, Eigen::Lower | Eigen::Upper, OwnStiffness>;
+
+void prepare(Solver& solver, const BondOperator& bonds) {
+    solver.setMaxIterations(kMostIterations);
+    solver.compute(bonds);
+}
+
+/// How free spheres move by `force` on them. @param rounding  of the forces, their norm.
+Eigen::VectorXd motionBy(const Eigen::VectorXd& force, double rounding, Solver& solver) {
+    if (force.norm() <= rounding) return Eigen::VectorXd::Zero(force.size());
+    solver.setTolerance(std::max(kResidual, rounding / force.norm()));
+    Eigen::VectorXd motion = solver.solve(force);
+    if (solver.info() != Eigen::Success)
+        throw ResourceError(
+            fmt::format("stiffness: the solver has a residual of {:.2g} after {} iterations; bond "
+                        "more spheres, by a larger tolerance",
+                        solver.error(), solver.iterations()));
+    return motion;
+}
+
 }  // namespace
+
+double energyOf(const BondedBody& body, const std::vector<Vec<3>>& moves,
+                const Callbacks& callbacks) {
+    requireBody(body);
+    const std::size_t n = body.pack->spheres.size();
+    if (moves.size() != n || body.boundary.size() != n)
+        throw ParameterError(
+            fmt::format("stiffness: {} moves and {} marks of the boundary for {} "
+                        "spheres",
+                        moves.size(), body.boundary.size(), n));
+    const BondOperator bonds(body, callbacks);
+    Solver solver;
+    prepare(solver, bonds);
+    Eigen::VectorXd motion = Eigen::VectorXd::Zero(bonds.rows());
+    for (std::size_t i = 0; i < n; ++i)
+        for (int d = 0; body.boundary[i] && d < 3; ++d)
+            motion[6 * static_cast<Eigen::Index>(i) + d] = moves[i][d];
+    const Eigen::VectorXd force = -bonds.forces(motion);
+    motion += motionBy(force, kBalanced * kResidual * force.norm(), solver);
+    double twice = 0;
+    for (const Bond& b : *body.bonds) {
+        const Motion i = motionIn(&motion[6 * static_cast<Eigen::Index>(b.i)]);
+        const Motion j = motionIn(&motion[6 * static_cast<Eigen::Index>(b.j)]);
+        const Vec<3> turn = j.turn - i.turn;
+        const Vec<3> apart =
+            j.move - i.move - cross(i.turn * b.armI + j.turn * b.armJ, b.direction);
+        const double along = dot(apart, b.direction), twist = dot(turn, b.direction);
+        twice += b.normal * along * along + b.torsion * twist * twist +
+                 b.tangential * (dot(apart, apart) - along * along) +
+                 b.bending * (dot(turn, turn) - twist * twist);
+    }
+    return 0.5 * twice;
+}
 
 ApparentStiffness apparentStiffness(const BondedBody& body, const Callbacks& callbacks) {
     requireBody(body);
     const BondOperator bonds(body, callbacks);
-    Eigen::ConjugateGradient<BondOperator, Eigen::Lower | Eigen::Upper, OwnStiffness> solver;
-    solver.setMaxIterations(kMostIterations);
-    solver.compute(bonds);
+    Solver solver;
+    prepare(solver, bonds);
     ApparentStiffness result;
     for (std::size_t i = 0; i < bonds.spheres(); ++i) result.free += bonds.isFree(i);
     std::array<Eigen::VectorXd, 6> motions;
     for (std::size_t load = 0; load < 6; ++load) {
         callbacks.report("stiffness", static_cast<double>(load) / 6, 6);
         const Eigen::VectorXd force = bonds.load(load);
-        motions[load] = Eigen::VectorXd::Zero(force.size());
         const double rounding = kBalanced * affineForce(*body.bonds, load);
+        motions[load] = motionBy(force, rounding, solver);
         if (force.norm() <= rounding) continue;
-        solver.setTolerance(std::max(kResidual, rounding / force.norm()));
-        motions[load] = solver.solve(force);
-        if (solver.info() != Eigen::Success)
-            throw ResourceError(fmt::format(
-                "stiffness: the solver has a residual of {:.2g} after {} iterations; bond more "
-                "spheres, by a larger tolerance",
-                solver.error(), solver.iterations()));
         result.iterations = std::max(result.iterations, static_cast<int>(solver.iterations()));
         result.residual = std::max(result.residual, solver.error());
     }

@@ -97,6 +97,13 @@ struct ApparentStiffness {
 /// doi:10.1007/s10237-007-0109-7, use it for voxels of bone.
 ApparentStiffness apparentStiffness(const BondedBody& body, const Callbacks& callbacks = {});
 
+/// The elastic energy (N mm) of a body whose boundary spheres are moved without turning, when all
+/// others have found their equilibrium: half of what the forces on the boundary have worked.
+/// @param moves  of each sphere, mm; those off the boundary are not looked at.
+/// @throws as `apparentStiffness`; ParameterError for another number of moves than spheres
+double energyOf(const BondedBody& body, const std::vector<Vec<3>>& moves,
+                const Callbacks& callbacks = {});
+
 /// What a stiffness in Voigt's order (`ApparentStiffness`) means; moduli in its unit.
 struct Elasticity {
     Vec<3> modulus{};  ///< Young's moduli along x, y and z

@@ -51,9 +51,18 @@ void warnOfBorder(const std::vector<LabelPart>& parts, const ImageGrid& grid,
                     names.size() + more > 1 ? "each" : "it"));
 }
 
-std::vector<LabelCount> requiredLabels(const DomainRecipe& recipe, const Image& image) {
+std::vector<LabelCount> requiredLabels(const DomainRecipe& recipe, const Image& image,
+                                       const Callbacks& callbacks) {
     const bool asked = !recipe.label.empty();
-    if (const auto labels = labelsOf(image, asked)) return *labels;
+    if (const auto labels = labelsOf(image, asked)) {
+        if (asked && callbacks.warning && !labelsOf(image))
+            callbacks.warn(fmt::format(
+                "{}: seems to be a grey image, such as a CT, of which `label` {} takes the voxels "
+                "of exactly that value; set `threshold` to the lowest value of bone, or give the "
+                "label map",
+                recipe.source, recipe.label));
+        return *labels;
+    }
     throw ParameterError(fmt::format(
         "{}: is no label map, but {}; set `threshold` to the lowest value of bone", recipe.source,
         asked ? "has values that are not whole numbers, or more than 65,000 different ones"
@@ -232,7 +241,7 @@ TriangleMesh imageMesh(DomainRecipe& recipe, const Callbacks& callbacks,
         recipe.threshold = recipe.threshold->of(image, recipe.source, callbacks);
         return thresholdSurface(image, *recipe.threshold->value, recipe.source, callbacks);
     }
-    const auto labels = requiredLabels(recipe, image);
+    const auto labels = requiredLabels(recipe, image, callbacks);
     const LabelPart part = selectedPart(recipe, labels);
     warnOfBorder({part}, image.grid, recipe.source, callbacks);
     TriangleMesh mesh = std::move(labelSurfaces(image, labels, {part}).front());

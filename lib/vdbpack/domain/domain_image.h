@@ -26,8 +26,10 @@ void requireThere(const std::string& file);
 Image readGreyImage(const std::string& file, const DomainRecipe& domain,
                     const Callbacks& callbacks);
 
-/// The labels of the image of a recipe without threshold. @throws ParameterError if it has none
-std::vector<LabelCount> requiredLabels(const DomainRecipe& recipe, const Image& image);
+/// The labels of the image of a recipe without threshold. Warns of an asked label of an image that
+/// seems to be grey. @throws ParameterError if it has none
+std::vector<LabelCount> requiredLabels(const DomainRecipe& recipe, const Image& image,
+                                       const Callbacks& callbacks = {});
 
 /// The labels that a recipe selects of an image without threshold.
 /// @param labels  of the image. @throws ParameterError if it selects nothing, or several parts.

@@ -131,8 +131,10 @@ void DomainSource::takeShape(const NamedShape& shape) {
         throw ParameterError("`slice` cuts a domain of space; '" + text + "' is plane already");
     if (recipe_.pose.any())
         throw ParameterError(text +
-                             ": is a shape about the origin, and only files can be moved; "
-                             "leave `transform`, `matrix`, `rotate` and `translate` out");
+                             ": is a shape about the origin, and only files can be moved by "
+                             "`transform`, `matrix`, `rotate` and `translate`; write it to one: "
+                             "vdb_pack convert " +
+                             text + " -o shape.stl");
     if (isPeriodic() && (recipe_.slice || !clips_.empty()))
         throw ParameterError(fmt::format("`{}`: {} is periodic; it cannot be cut",
                                          recipe_.slice ? "slice" : "clips", text));

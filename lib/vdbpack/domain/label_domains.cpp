@@ -9,7 +9,7 @@ namespace vdbpack {
 
 LabelledImage::LabelledImage(const DomainRecipe& domain, const Callbacks& callbacks)
     : image_(readDomainImage(domain, callbacks)),
-      labels_(requiredLabels(domain, image_)),
+      labels_(requiredLabels(domain, image_, callbacks)),
       path_(domain.source) {}
 
 std::vector<LabelPart> LabelledImage::parse(const std::string& text) const {

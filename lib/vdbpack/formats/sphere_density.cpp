@@ -72,6 +72,18 @@ void checkDensity(const std::string& text) {
     particleDensity(text, 1.0);
 }
 
+void warnOfLightness(const std::string& text, const Callbacks& callbacks) {
+    constexpr double kLeast = 20;  // kg/m³, lighter than the emptiest bone
+    const SphereDensity density = particleDensity(text, 1.0);
+    double least = density.all > 0 ? density.all : kLeast;
+    for (const auto& [region, value] : density.ofRegions) least = std::min(least, value);
+    if (least < kLeast)
+        callbacks.warn(
+            fmt::format("`density` {}: {:g} kg/m³ is lighter than any bone; if it is "
+                        "in g/cm³, give {:g}",
+                        text, least, 1000 * least));
+}
+
 void warnOfMissingDensities(const PackAttributes& pack,
                             const std::map<std::int32_t, double>& densities,
                             const Callbacks& callbacks) {

@@ -292,9 +292,9 @@ std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<La
     std::vector<const LabelCount*> used;
     for (const std::string& one : splitAt(text, ',')) {
         LabelPart part;
-        part.name = one;
         for (const std::string& name : splitAt(one, '+')) {
             const LabelCount& label = labelOf(name, labels, path);
+            part.name += (part.name.empty() ? "" : "+") + (label.name.empty() ? name : label.name);
             if (std::find(used.begin(), used.end(), &label) != used.end())
                 throw ParameterError("`label` " + text + ": has " + name + " twice");
             used.push_back(&label);

@@ -41,7 +41,7 @@ std::pair<double, double> valueRange(const Image& image);
 
 /// Labels that are one solid together.
 struct LabelPart {
-    std::string name;                ///< as requested
+    std::string name;                ///< of its labels in the file, else as requested
     std::vector<LabelCount> labels;  ///< of one layer
 
     std::size_t voxels() const {

@@ -56,8 +56,8 @@ std::string summary(const Structure& s) {
         for (const std::size_t b : {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32})
             if (b < f.size()) {
                 depths +=
-                    fmt::format("{:>6.3g}", (static_cast<double>(b) + 0.5) * s.profile->width);
-                values += fmt::format("{:>6.3f}", f[b]);
+                    fmt::format(" {:>7.3g}", (static_cast<double>(b) + 0.5) * s.profile->width);
+                values += fmt::format(" {:>7.3f}", f[b]);
             }
         line("depth, mm", depths);
         line("solid", values);

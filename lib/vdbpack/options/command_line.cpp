@@ -18,6 +18,22 @@ namespace vdbpack {
 
 namespace {
 
+/// Refuses 20,000, which is no list of 20 and 0. @throws ParameterError
+void refuseThousands(const std::string& name, const std::string& text) {
+    std::string digits = text;
+    digits.erase(std::remove(digits.begin(), digits.end(), ','), digits.end());
+    const auto values = splitAt(text, ',');
+    const auto isThree = [](const std::string& value) {
+        return value.size() == 3 && value.find_first_not_of("0123456789") == std::string::npos;
+    };
+    if (values.size() < 2 || values[1].substr(0, 1) != "0" || values[0].size() > 3 ||
+        digits.find_first_not_of("0123456789") != std::string::npos ||
+        !std::all_of(values.begin() + 1, values.end(), isThree))
+        return;
+    throw ParameterError(
+        fmt::format("`{}`: '{}' has commas between its digits; write {}", name, text, digits));
+}
+
 /// Whether a study may give an option several values.
 bool canVary(const Option& option) {
     return option.inRecipes && option.name != "seed" &&
@@ -38,10 +54,12 @@ void add(CLI::App& app, const Option& option, bool studies) {
         added = app.add_option(
             names,
             [&option, lists = studies && canVary(option)](const CLI::results_t& texts) {
-                for (const std::string& text : texts)
+                for (const std::string& text : texts) {
+                    if (lists) refuseThousands(option.name, text);
                     for (const std::string& value :
                          lists ? splitAt(text, ',') : CLI::results_t{text})
                         option.set(value);
+                }
                 return true;
             },
             help);

@@ -168,6 +168,19 @@ void list(OptionList& rows, StiffnessRecipe& job, PrintOptions& print) {
         .of(OptionKind::numbers);
     rows.length("boundary", "T [0.1 mean radius]", job.boundary, Range::notNegative,
                 "spheres up to so far from the wall of the domain move as the strain has it, mm");
+    rows.custom(
+        "press", "x|y|z",
+        "press the body between two rigid grips along an axis, sides free, instead of straining "
+        "its wall: its apparent modulus by the mean cross-section of the domain",
+        [&job](const std::string& text) {
+            const auto at = std::string("xyz").find(text);
+            if (text.size() != 1 || at == std::string::npos)
+                throw ParameterError("`press` " + text + ": write x, y or z");
+            job.press = static_cast<int>(at);
+        },
+        [&job] { return job.press ? std::string(1, "xyz"[*job.press]) : std::string(); });
+    rows.length("grip", "L [4 mean radii]", job.grip, Range::positive,
+                "depth of a grip of `press`, mm: it holds the spheres whose centers lie in it");
     rows.group("Run");
     rows.flag("json", print.json, kResultAsJson).passing();
 }

@@ -134,8 +134,9 @@ void imageOptions(OptionList& rows, DomainRecipe& domain) {
                  "label of an image to fill, by value or name; A+B joins two to one domain. With "
                  "pack and verify, A,B and all are several parts, each with its own surface");
     rows.text("mask", "LABEL=FILE", domain.mask,
-              "of a label map, only the voxels that lie in that label of another one, such as the "
-              "bodies (domain) of one vertebra: 22=vertebrae.nii.gz")
+              "of a label map, only the voxels that lie in that label of another one, such as "
+              "those in "
+              "22=vertebrae.nii.gz")
         .naming(FileIn::sample);
     imagePlacement(rows, domain);
 }

@@ -133,6 +133,11 @@ struct StiffnessRecipe : InputPack {
     /// Spheres whose surface is at most so far from the wall of the domain move with it, mm;
     /// nothing: a tenth of the mean radius.
     std::optional<double> boundary;
+    /// Axis 0 to 2 along which two rigid grips press the body, in place of six strains; nothing:
+    /// none.
+    std::optional<int> press;
+    /// Depth of a grip, mm: it holds the spheres whose centers lie in it; nothing: four mean radii.
+    std::optional<double> grip;
     /// Young's modulus (MPa) and Poisson's ratio for which bonds are sought; `fits` false: none.
     bool fits = false;
     double wantedModulus = 0, wantedPoisson = 0;

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/voids/trabecular_presets.h"
 
@@ -158,8 +159,10 @@ VoidMethod methodOf(const VoidRequest& r) {
             r.probability, r.targetBvtv};
     throw ParameterError(
         fmt::format("`voids` {}: must be one of grid, overlay, concentric, threshold, mixed, "
-                    "ellipses, boolean, foam, list:FILE",
-                    r.method));
+                    "ellipses, boolean, foam, list:FILE{}",
+                    r.method,
+                    similarWord(r.method, {"grid", "overlay", "concentric", "threshold", "mixed",
+                                           "ellipses", "boolean", "foam"})));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/pack/size_shape.h"
 #include "vdbpack/pack/size_table.h"
 
@@ -267,10 +268,11 @@ SizeDistribution SizeDistribution::parse(const std::string& spec, int dim, Weigh
                               : spec.find(',') == std::string::npos
                                   ? "did you mean constant:" + spec + "? "
                                   : "did you mean uniform:" + spec + "? ";
-    throw ParameterError(
-        fmt::format("radius distribution '{}' is not known; {}use constant:R, uniform:A,B, "
-                    "normal:MEAN,SD,A,B, lognormal:MEDIAN,SIGMA,A,B, table:FILE or psd:FILE",
-                    spec, meant));
+    throw ParameterError(fmt::format(
+        "radius distribution '{}' is not known; {}use constant:R, uniform:A,B, "
+        "normal:MEAN,SD,A,B, lognormal:MEDIAN,SIGMA,A,B, table:FILE or psd:FILE{}",
+        spec, meant,
+        similarWord(kind, {"constant", "uniform", "normal", "lognormal", "table", "psd"})));
 }
 
 double SizeDistribution::quantile(double u) const {

@@ -70,6 +70,10 @@ void drawSwatch(int left, int top, int width, int height, int frame, const Color
         }
 }
 
+std::string moreKinds(const Legend& legend) {
+    return fmt::format("and {} more", legend.more);
+}
+
 /// Pixels of a dot in a picture of that size.
 int dotOf(double width, double height) {
     return std::max(
@@ -128,10 +132,23 @@ Caption::Caption(Legend legend, std::vector<Side> sides, int width, int height, 
             kind.name =
                 kind.name.substr(0, static_cast<std::size_t>(std::max(letters - 2, 0))) + "..";
     }
+    leaveOutKinds(bar);
     hasBar_ = flow(bar, mostLines_).front().x >= 0;
     const int text = mostLines_ == 0 ? 0 : mostLines_ * kLine - (kLine - kLetterHeight - kHang);
     const int cross = sides_.empty() ? 0 : static_cast<int>(std::ceil(cross_.size()[1]));
     strip_ = text + cross == 0 ? 0 : (std::max(text, cross) + 2 * kBorder) * dot_;
+}
+
+void Caption::leaveOutKinds(int bar) {
+    const auto fits = [&] {
+        int lines = 0;
+        const auto places = flow(bar, lines);
+        return std::all_of(places.begin(), places.end(), [](const Place& p) { return p.x >= 0; });
+    };
+    while (legend_.kinds.size() > 1 && !fits()) {
+        legend_.kinds.pop_back();
+        ++legend_.more;
+    }
 }
 
 int Caption::rampDots() const {
@@ -146,6 +163,7 @@ std::vector<Caption::Place> Caption::flow(int bar, int& lines) const {
     if (titled) items.push_back(textDots(legend_.title));
     for (const Legend::Kind& kind : legend_.kinds)
         items.push_back(kLetterHeight + kGap + textDots(kind.name));
+    if (legend_.more > 0) items.push_back(textDots(moreKinds(legend_)));
     if (titled && legend_.kinds.empty())
         items.push_back(textDots(legend_.ends[0]) + textDots(legend_.ends[1]) + 2 * kGap +
                         rampDots());
@@ -220,6 +238,8 @@ void Caption::drawLegend(const std::vector<Place>& places, int feet, Picture& im
             drawSwatch((*at)[0], (*at)[1] - high, high, high, frame, color, image);
             write(kind.name, (*at)[0] + high + kGap * dot_, (*at)[1]);
         }
+    if (legend_.more > 0)
+        if (const auto at = place()) write(moreKinds(legend_), (*at)[0], (*at)[1]);
     if (!legend_.kinds.empty() || legend_.title.empty()) return;
     if (const auto at = place()) {
         const int left = write(legend_.ends[0], (*at)[0], (*at)[1]), wide = rampDots() * dot_;

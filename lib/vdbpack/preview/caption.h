@@ -51,6 +51,8 @@ private:
     /// The columns that the items take in lines one below the other.
     /// @param bar  dots that the scale bar takes with its length.
     std::vector<Place> flow(int bar, int& lines) const;
+    /// Leaves out kinds for which there is no room, the last ones first.
+    void leaveOutKinds(int bar);
     int rampDots() const;
     void drawLegend(const std::vector<Place>& places, int feet, Picture& image) const;
     void drawSides(Picture& image) const;

@@ -45,6 +45,24 @@ SphereColors colorsOfKinds(std::size_t n, const Kind& kind, const std::vector<st
     return colors;
 }
 
+/// Where a color lies for the eye: Oklab, Ottosson (2020).
+Vec<3> perceived(std::uint32_t rgb) {
+    const Color c = fromSrgb(rgb);
+    const double l = std::cbrt(0.4122214708 * c.r + 0.5363325363 * c.g + 0.0514459929 * c.b);
+    const double m = std::cbrt(0.2119034982 * c.r + 0.6806995451 * c.g + 0.1073969566 * c.b);
+    const double s = std::cbrt(0.0883024619 * c.r + 0.2817188376 * c.g + 0.6299787005 * c.b);
+    return {{0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s,
+             1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s,
+             0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s}};
+}
+
+/// How many kinds the numbers of a column are; 0: they are no kinds.
+std::size_t kindsIn(const Column& column) {
+    if (areKinds(column.numbers)) return std::max(kFewKinds, column.names.size());
+    return areKinds(column.numbers, std::min(kMostKinds, column.names.size())) ? column.names.size()
+                                                                               : 0;
+}
+
 /// The name of a column with the unit in it set off: "density, kg/m3" of "density_kg_m3".
 std::string titleOf(const std::string& column) {
     for (const auto& [end, unit] : {std::pair("_kg_m3", ", kg/m3"), std::pair("_MPa", ", MPa")})
@@ -94,16 +112,39 @@ SphereColors colorsOfRamp(std::size_t n, const Value& value, const std::string& 
 
 }  // namespace
 
-const std::vector<std::uint32_t>& kindColors() {
+std::vector<std::uint32_t> kindColors(std::size_t count) {
     // Colors that most people can tell apart: Okabe, Ito (2008), Color Universal Design.
-    static const std::vector<std::uint32_t> colors{0x56b4e9, 0xe69f00, 0x009e73, 0xcc79a7,
-                                                   0xf0e442, 0x0072b2, 0xd55e00, 0x999999};
+    std::vector<std::uint32_t> colors{0x56b4e9, 0xe69f00, 0x009e73, 0xcc79a7,
+                                      0xf0e442, 0x0072b2, 0xd55e00, 0x999999};
+    // Then each is the candidate farthest from all before, and from white paper and black lines.
+    constexpr std::uint32_t kLevels = 9, kStep = 0x1e;
+    std::vector<std::pair<std::uint32_t, double>> candidates;
+    for (std::uint32_t n = 0; n < kLevels * kLevels * kLevels && count > colors.size(); ++n)
+        candidates.emplace_back(n % kLevels * kStep << 16 | n / kLevels % kLevels * kStep << 8 |
+                                    n / kLevels / kLevels * kStep,
+                                std::numeric_limits<double>::infinity());
+    const auto add = [&](std::uint32_t color) {
+        for (auto& [rgb, away] : candidates)
+            away = std::min(away, length(perceived(rgb) - perceived(color)));
+    };
+    for (const std::uint32_t color : {0xffffffu, 0x000000u}) add(color);
+    for (const std::uint32_t color : colors) add(color);
+    while (colors.size() < std::min(count, kMostKinds)) {
+        colors.push_back(
+            std::max_element(candidates.begin(), candidates.end(),
+                             [](const auto& x, const auto& y) { return x.second < y.second; })
+                ->first);
+        add(colors.back());
+    }
+    const std::size_t different = colors.size();
+    colors.resize(count);
+    for (std::size_t k = different; k < count; ++k) colors[k] = colors[k % different];
     return colors;
 }
 
-bool areKinds(const std::vector<double>& numbers) {
-    return std::all_of(numbers.begin(), numbers.end(), [](double v) {
-        return v >= 0 && v < static_cast<double>(kindColors().size()) && v == std::floor(v);
+bool areKinds(const std::vector<double>& numbers, std::size_t most) {
+    return std::all_of(numbers.begin(), numbers.end(), [&](double v) {
+        return v >= 0 && v < static_cast<double>(most) && v == std::floor(v);
     });
 }
 
@@ -116,7 +157,7 @@ PreviewOptions withColor(PreviewOptions options, const PackAttributes& pack) {
     if (options.color != PreviewColor::chosen) return options;
     options.color = PreviewColor::radius;
     const Column* part = columnOfNumbers(pack, kPartColumn);
-    if (!part || part->numbers.empty() || !areKinds(part->numbers)) return options;
+    if (!part || part->numbers.empty() || kindsIn(*part) == 0) return options;
     const auto [least, most] = std::minmax_element(part->numbers.begin(), part->numbers.end());
     if (*least == *most) return options;
     options.color = PreviewColor::column;
@@ -148,13 +189,13 @@ SphereColors sphereColors(const Pack<Dim>& pack, const PreviewOptions& asked) {
         const Column& column = columnNamed(pack, options.column);
         const auto& numbers = column.numbers;
         const auto value = [&](std::size_t i) { return numbers[i]; };
-        if (!areKinds(numbers)) return colorsOfRamp(n, value, options.column, "");
+        const std::size_t kinds = kindsIn(column);
+        if (kinds == 0) return colorsOfRamp(n, value, options.column, "");
         std::vector<std::string> names = column.names;
-        for (std::size_t k = names.size(); k < kindColors().size(); ++k)
-            names.push_back(std::to_string(k));
+        for (std::size_t k = names.size(); k < kinds; ++k) names.push_back(std::to_string(k));
         SphereColors colors = colorsOfKinds(
-            n, [&](std::size_t i) { return static_cast<std::size_t>(numbers[i]); }, kindColors(),
-            names);
+            n, [&](std::size_t i) { return static_cast<std::size_t>(numbers[i]); },
+            kindColors(kinds), names);
         colors.legend.title = options.column;
         colors.legend.words = "colored by " + options.column;
         for (std::size_t k = 0; k < colors.legend.kinds.size(); ++k)

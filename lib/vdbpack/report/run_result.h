@@ -81,7 +81,17 @@ struct StiffnessResult {
     bool ownModuli = false;      ///< whether the spheres had moduli of their own
     ApparentStiffness apparent;
     std::optional<Elasticity> elasticity;  ///< nothing: some strain meets no resistance
-    double modulusFactor = 1;              ///< by which moduli were changed to reach a wanted one
+    /// Between two grips, in place of the others.
+    struct Pressed {
+        int axis = 2;
+        double modulus = 0;              ///< force by area and strain of the gauge, MPa
+        double stiffness = 0;            ///< force by shortening, N/mm
+        double gauge = 0, grip = 0;      ///< lengths between the grips and of each, mm
+        double area = 0;                 ///< mean cross-section of the domain, mm²
+        std::uint64_t held[2] = {0, 0};  ///< spheres in the lower and the upper grip
+    };
+    std::optional<Pressed> pressed;
+    double modulusFactor = 1;  ///< by which moduli were changed to reach a wanted one
     Report::Seconds seconds;
     std::vector<std::string> files, warnings;
 };

@@ -9,22 +9,14 @@
 
 namespace vdbpack {
 
-nlohmann::ordered_json toJson(const StiffnessResult& r) {
-    using Json = nlohmann::ordered_json;
-    Json rows = Json::array();
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json tensorOf(const StiffnessResult& r) {
+    Json json, rows = Json::array();
     for (const Vec<6>& row : r.apparent.stiffness) rows.push_back(row.c);
-    Json json = {{"stiffness", rows},
-                 {"spheres", r.spheres},
-                 {"bonds",
-                  {{"count", r.bonds},
-                   {"modulus", r.ownModuli ? Json("of each sphere") : Json(r.law.modulus)},
-                   {"modulusFactor", r.modulusFactor},
-                   {"radiusFactor", r.law.radiusFactor},
-                   {"shearRatio", r.law.shearRatio},
-                   {"hinged", r.law.isHinged}}},
-                 {"boundary", r.boundary},
-                 {"volume", r.volume},
-                 {"volumeOf", r.body}};
+    json["stiffness"] = rows;
     if (r.elasticity) {
         const Elasticity& e = *r.elasticity;
         json["E"] = e.modulus.c;
@@ -35,29 +27,22 @@ nlohmann::ordered_json toJson(const StiffnessResult& r) {
         json["isotropic"] = {{"E", e.isotropicModulus}, {"nu", e.isotropicPoisson}};
     }
     json["solver"] = {{"iterations", r.apparent.iterations}, {"residual", r.apparent.residual}};
-    json["seconds"] = {{"mesh", r.seconds.mesh},
-                       {"domain", r.seconds.domain},
-                       {"measure", r.seconds.measure},
-                       {"write", r.seconds.write},
-                       {"total", r.seconds.total}};
-    json["files"] = r.files;
-    json["warnings"] = r.warnings;
     return json;
 }
 
-std::string summary(const StiffnessResult& r) {
-    std::string text;
-    const auto line = [&](const char* label, const std::string& what) {
-        text += fmt::format("{:<11}{}\n", label, what);
-    };
-    line("bonds", fmt::format("{} between {} spheres; {} spheres move with the boundary",
-                              grouped(r.bonds), grouped(r.spheres), grouped(r.boundary)));
-    line("", fmt::format("modulus {}, radius {:g} of the smaller sphere, k_t / k_n {:.4g}{}",
-                         r.ownModuli ? "of each sphere" : fmt::format("{:.6g} MPa", r.law.modulus),
-                         r.law.radiusFactor, r.law.shearRatio, r.law.isHinged ? ", hinged" : ""));
-    if (r.modulusFactor != 1 && r.ownModuli)
-        line("", fmt::format("moduli of the spheres times {:.6g}", r.modulusFactor));
-    line("volume", fmt::format("{:.6g} mm³ of {}", r.volume, r.body));
+Json toJson(const StiffnessResult::Pressed& p) {
+    return {{"axis", std::string(1, "xyz"[p.axis])},
+            {"modulus", p.modulus},
+            {"stiffness", p.stiffness},
+            {"gauge", p.gauge},
+            {"grip", p.grip},
+            {"area", p.area},
+            {"held", p.held}};
+}
+
+/// @param line  adds a line with a label.
+template <class Line>
+void addTensor(const StiffnessResult& r, const Line& line) {
     line("stiffness", "MPa; rows and columns xx yy zz yz xz xy, engineering shear strains");
     for (const Vec<6>& row : r.apparent.stiffness)
         line("", fmt::format("{:9.4g} {:9.4g} {:9.4g} {:9.4g} {:9.4g} {:9.4g}", row.c[0], row.c[1],
@@ -80,6 +65,61 @@ std::string summary(const StiffnessResult& r) {
     }
     line("solver", fmt::format("{} iterations at most, residual {:.1g}", r.apparent.iterations,
                                r.apparent.residual));
+}
+
+}  // namespace
+
+Json toJson(const StiffnessResult& r) {
+    Json json = {{"spheres", r.spheres},
+                 {"bonds",
+                  {{"count", r.bonds},
+                   {"modulus", r.ownModuli ? Json("of each sphere") : Json(r.law.modulus)},
+                   {"modulusFactor", r.modulusFactor},
+                   {"radiusFactor", r.law.radiusFactor},
+                   {"shearRatio", r.law.shearRatio},
+                   {"hinged", r.law.isHinged}}},
+                 {"boundary", r.boundary},
+                 {"volume", r.volume},
+                 {"volumeOf", r.body}};
+    if (r.pressed)
+        json["pressed"] = toJson(*r.pressed);
+    else
+        json.update(tensorOf(r));
+    json["seconds"] = {{"mesh", r.seconds.mesh},
+                       {"domain", r.seconds.domain},
+                       {"measure", r.seconds.measure},
+                       {"write", r.seconds.write},
+                       {"total", r.seconds.total}};
+    json["files"] = r.files;
+    json["warnings"] = r.warnings;
+    return json;
+}
+
+std::string summary(const StiffnessResult& r) {
+    std::string text;
+    const auto line = [&text](const char* label, const std::string& what) {
+        text += fmt::format("{:<11}{}\n", label, what);
+    };
+    line("bonds", fmt::format("{} between {} spheres; {} spheres move with the boundary",
+                              grouped(r.bonds), grouped(r.spheres), grouped(r.boundary)));
+    line("", fmt::format("modulus {}, radius {:g} of the smaller sphere, k_t / k_n {:.4g}{}",
+                         r.ownModuli ? "of each sphere" : fmt::format("{:.6g} MPa", r.law.modulus),
+                         r.law.radiusFactor, r.law.shearRatio, r.law.isHinged ? ", hinged" : ""));
+    if (r.modulusFactor != 1 && r.ownModuli)
+        line("", fmt::format("moduli of the spheres times {:.6g}", r.modulusFactor));
+    line("volume", fmt::format("{:.6g} mm³ of {}", r.volume, r.body));
+    if (r.pressed) {
+        const StiffnessResult::Pressed& p = *r.pressed;
+        line("pressed",
+             fmt::format("along {} between grips of {:.4g} mm, which hold {} and {} "
+                         "spheres; {:.4g} mm between them",
+                         "xyz"[p.axis], p.grip, grouped(p.held[0]), grouped(p.held[1]), p.gauge));
+        line("modulus", fmt::format("{:.5g} MPa apparent, by the mean cross-section of {:.5g} mm²; "
+                                    "{:.5g} N/mm",
+                                    p.modulus, p.area, p.stiffness));
+    } else {
+        addTensor(r, line);
+    }
     line("seconds",
          fmt::format("read {:.2f}, domain {:.2f}, solve {:.2f}, total {:.2f}", r.seconds.mesh,
                      r.seconds.domain, r.seconds.measure, r.seconds.total));

@@ -93,6 +93,11 @@ PackPlan planParts(const PackRecipe& recipe, Parts& parts, std::string& sizes) {
             if (sizes != sizesOf(one)) sizes = "of each part's own, in";
         }
     }
+    // Most packs that shall have a number of spheres are made twice.
+    if (radii.target() > 0)
+        for (double* stage : {&all->seconds.domain, &all->seconds.pack, &all->seconds.settle,
+                              &all->seconds.densify, &all->seconds.voids})
+            *stage *= 2;
     return *all;
 }
 

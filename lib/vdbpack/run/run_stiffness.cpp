@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -105,6 +106,50 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     return result.elasticity ? result.elasticity->isotropicPoisson : 0;
 }
 
+/// Presses the body between two rigid grips, by one unit of strain of what lies between them.
+void press(const StiffnessRecipe& recipe, const Pack<3>& pack, const BondOptions& options,
+           BondedBody body, StiffnessResult& result, const Callbacks& callbacks) {
+    StiffnessResult::Pressed pressed;
+    const int axis = pressed.axis = *recipe.press;
+    if (pack.cell.isAlong(axis))
+        throw ParameterError(
+            fmt::format("`press` {}: the pack is periodic along it, without ends", "xyz"[axis]));
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Sphere<3>& s : pack.spheres) {
+        low = std::min(low, s.center[axis] - s.radius);
+        high = std::max(high, s.center[axis] + s.radius);
+    }
+    const double mean = radiusStatistics(pack.spheres).mean;
+    pressed.grip = recipe.grip.value_or(4 * mean);
+    pressed.gauge = high - low - 2 * pressed.grip;
+    if (!(pressed.gauge > 2 * mean))
+        throw ParameterError(
+            fmt::format("`press` {}: the pack is {:.4g} mm long, which leaves nothing between two "
+                        "grips of {:.4g} mm; set a smaller `grip`",
+                        "xyz"[axis], high - low, pressed.grip));
+    pressed.area = body.volume / (high - low);
+    body.boundary.assign(pack.spheres.size(), 0);
+    std::vector<Vec<3>> moves(pack.spheres.size());
+    for (std::size_t i = 0; i < moves.size(); ++i) {
+        const double at = pack.spheres[i].center[axis];
+        const bool lower = at<low + pressed.grip, upper = at> high - pressed.grip;
+        body.boundary[i] = lower || upper;
+        moves[i][axis] = lower ? 0.5 : upper ? -0.5 : 0;
+        pressed.held[0] += lower;
+        pressed.held[1] += upper;
+    }
+    const auto bonds = bondsIn(pack, options);
+    body.pack = &pack;
+    body.bonds = &bonds;
+    warnOfLoose(bonds, body, callbacks);
+    pressed.stiffness = 2 * energyOf(body, moves, callbacks);
+    pressed.modulus = pressed.stiffness * pressed.gauge / pressed.area;
+    result.bonds = bonds.size();
+    result.law = options.law;
+    result.boundary = pressed.held[0] + pressed.held[1];
+    result.pressed = pressed;
+}
+
 /// Finds the shear ratio for a Poisson's ratio, which falls as it rises from `kLeastShear`, by
 /// regula falsi (Illinois), then scales the moduli.
 void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, const BondedBody& body,
@@ -148,6 +193,9 @@ void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, con
 
 StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& callbacks) {
     checkSettings(recipe, RunKind::measure, {}, inputFiles(recipe));
+    if (recipe.press && (recipe.fits || recipe.boundary))
+        throw ParameterError(
+            "`press` holds spheres in grips; leave `boundary` and `bond-modulus-for` out");
     StiffnessResult result;
     std::vector<std::string> warnings;
     const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
@@ -166,7 +214,9 @@ StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& cal
         result.volume = body.volume;
         result.seconds.domain = clock.lap();
         BondOptions options = bondOptionsOf(recipe);
-        if (recipe.fits)
+        if (recipe.press)
+            press(recipe, pack, options, body, result, heard);
+        else if (recipe.fits)
             fit(recipe, pack, options, body, result, heard);
         else
             solve(pack, options, body, result, heard);

@@ -35,6 +35,22 @@ namespace {
 /// BV/TV of a solid that is taken for none.
 constexpr double kLeastBvtv = 1e-6;
 
+/// Refuses a word in braces that nothing has replaced.
+void refuseBraces(const std::string& name) {
+    for (std::size_t open = name.find('{'); open != std::string::npos;
+         open = name.find('{', open + 1)) {
+        const std::size_t close = name.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", open + 1);
+        if (close == open + 1 || close == std::string::npos || name[close] != '}') continue;
+        const std::string word = name.substr(open, close + 1 - open);
+        throw ParameterError(
+            name + ": nothing replaces " + word +
+            (word == "{part}" ? " here: one file holds all parts. `vdb_pack convert` writes the "
+                                "surface of each label to a file of its own"
+                              : "; {seed} and the names of options with several values are "
+                                "replaced in a study"));
+    }
+}
+
 }  // namespace
 
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
@@ -47,6 +63,8 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
     requireVoidFields(voids);
     checkOutputKinds(settings.outputs, kind, voids);
     checkDensity(settings.density);
+    if (kind != RunKind::convert)
+        for (const OutputTarget& output : settings.outputs) refuseBraces(output.text);
     requireContactTolerance(settings.contactTolerance);
     checkPreview(settings.preview, settings.reportFile);
     checkFiles(settings.outputs, settings.reportFile, all, {settings.preview.file});
@@ -56,6 +74,7 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
              const VoidRecipe& voids, Report& report, const Callbacks& callbacks, bool hasPack,
              const std::string& sizeField) {
+    warnOfLightness(settings.density, callbacks);
     for (const DomainSource* source : sources) {
         if (!source->isPeriodic()) continue;
         const std::string& name = source->recipe().source;

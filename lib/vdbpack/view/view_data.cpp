@@ -105,13 +105,10 @@ void addSpheres(const std::vector<Sphere<Dim>>& all, const std::vector<std::uint
                          grouped(all.size()), Measure<Dim>::kSpheres);
 }
 
-/// Red, green and blue of `count` colors, each 0 to 255; from the first again after the last.
-Json bytesOf(const std::vector<std::uint32_t>& colors, std::size_t count) {
+/// Red, green and blue of colors, each 0 to 255.
+Json bytesOf(const std::vector<std::uint32_t>& colors) {
     Json bytes = Json::array();
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t c = colors[i % colors.size()];
-        bytes.push_back({c >> 16, c >> 8 & 255, c & 255});
-    }
+    for (const std::uint32_t c : colors) bytes.push_back({c >> 16, c >> 8 & 255, c & 255});
     return bytes;
 }
 
@@ -142,11 +139,10 @@ Json columnOf(const std::string& name, const std::vector<Value>& all,
         column.update(packedNumbers(values));
     if (name == "region" && *std::max_element(values.begin(), values.end()) <= 1) {
         column["names"] = {"cortical", "trabecular"};
-        column["colors"] = bytesOf(regionColors(), 2);
+        column["colors"] = bytesOf(regionColors());
     } else if (std::is_same_v<Value, double> && areKinds(values)) {
-        for (std::size_t k = 0; k < kindColors().size(); ++k)
-            column["names"].push_back(std::to_string(k));
-        column["colors"] = bytesOf(kindColors(), kindColors().size());
+        for (std::size_t k = 0; k < kFewKinds; ++k) column["names"].push_back(std::to_string(k));
+        column["colors"] = bytesOf(kindColors(kFewKinds));
     }
     return column;
 }
@@ -158,7 +154,7 @@ void nameKinds(const Column& column, Json& facts) {
     };
     if (!std::all_of(column.numbers.begin(), column.numbers.end(), isNamed)) return;
     facts["names"] = column.names;
-    facts["colors"] = bytesOf(kindColors(), column.names.size());
+    facts["colors"] = bytesOf(kindColors(column.names.size()));
 }
 
 /// A column of texts: their indices in `names`.
@@ -172,7 +168,7 @@ Json columnOf(const std::string& name, const std::vector<std::string>& texts,
     for (const auto& [text, index] : known) names[static_cast<std::size_t>(index)] = text;
     Json column{{"name", name}, {"unit", ""}};
     column.update(packedNumbers(indices));
-    column["colors"] = bytesOf(kindColors(), names.size());
+    column["colors"] = bytesOf(kindColors(names.size()));
     column["names"] = std::move(names);
     return column;
 }
@@ -222,7 +218,7 @@ void addWall(const ViewScene<3>& scene, const ViewOptions& options, Json& facts,
 void addSolids(const std::vector<std::pair<std::string, std::size_t>>& solids, Json& facts) {
     facts["columns"] = Json::array();
     Json& all = facts["solids"] = Json::array();
-    const Json colors = bytesOf(kindColors(), solids.size());
+    const Json colors = bytesOf(kindColors(solids.size()));
     for (const auto& [name, triangles] : solids)
         all.push_back({{"name", name}, {"corners", 3 * triangles}, {"color", colors[all.size()]}});
 }

@@ -203,7 +203,7 @@ class View {
       ? [text(least), bar(`linear-gradient(to right, ${ramp})`), `${text(most)} ${unit}`]
       : [least <= most ? `${text(least)} ${unit}` : '–'];
     this.part('.view-legend').replaceChildren(...!colors ? range : colors.flatMap((color, k) =>
-      k < lo + least || k > lo + most ? [] : [bar(`rgb(${color})`, 'kind'), names[k]]).slice(0, 16));
+      k < lo + least || k > lo + most ? [] : [bar(`rgb(${color})`, 'kind'), names[k]]));
   }
 
   // The sphere that is chosen
