@@ -6,6 +6,7 @@
 #include "pack_arrays.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/options/command_line.h"
@@ -320,6 +321,8 @@ PYBIND11_MODULE(_core, m) {
         .def_property_readonly("positions", &positions)
         .def_property_readonly("radii", &radii)
         .def_property_readonly("columns", &columns)
+        .def_property_readonly(
+            "part_names", [](const Shared& data) { return listOf(partNames(data->attributes())); })
         .def("pairs", &pairs, py::arg("tolerance"))
         .def_property_readonly(
             "hash",

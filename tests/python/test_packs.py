@@ -292,6 +292,7 @@ def test_labels_of_an_image():
     assert [label["value"] for label in told["labels"]] == [1, 2]
     pack = vdbpack.pack(image, label="all", radius=vdbpack.uniform(0.6, 1.2), space="ras")
     assert set(pack.columns["part"]) == {0.0, 1.0}
+    assert pack.part_names == ["1", "2"] and vdbpack.pack(vdbpack.ball(5), radius=1.0).part_names == []
     assert vdbpack.verify(pack, image, label="all", space="ras").passed
     nibabel = types.SimpleNamespace(dataobj=labels, affine=affine)
     assert vdbpack.pack(nibabel, label="all", radius=vdbpack.uniform(0.6, 1.2), space="ras").hash == pack.hash

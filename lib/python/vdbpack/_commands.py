@@ -194,6 +194,7 @@ def stiffness(given: PackLike, domain: Optional[Domain] = None, *, progress: Pro
     options: those of `vdb_pack stiffness`: contact_tol, bond_modulus (MPa), bond_shear, ...
 
     `["stiffness"]` has six lists of six numbers, MPa, in Voigt's order xx yy zz yz xz xy; `["isotropic"]` has E and nu.
+    With press="z", `["pressed"]["modulus"]` is the apparent modulus between two grips, MPa.
     """
     return _report(_run("stiffness", _pack_word(given), options, progress, domain))
 

@@ -7,7 +7,7 @@ import html
 import json
 import os
 from types import MappingProxyType
-from typing import Any, Dict, Mapping, Optional, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
 
 import numpy
 import numpy.typing
@@ -136,6 +136,11 @@ class Pack:
     def contacts(self) -> Optional[numpy.typing.NDArray[numpy.int32]]:
         """Spheres and walls in contact, int32 of shape (N,); None where it is unknown."""
         return self._columns.get("contacts")
+
+    @property
+    def part_names(self) -> List[str]:
+        """Names of the parts by the numbers in `columns["part"]`; empty where a pack has none."""
+        return self._data.part_names
 
     def pairs(
         self, tolerance: float = 1e-3

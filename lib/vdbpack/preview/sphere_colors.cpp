@@ -118,11 +118,14 @@ std::vector<std::uint32_t> kindColors(std::size_t count) {
                                       0xf0e442, 0x0072b2, 0xd55e00, 0x999999};
     // Then each is the candidate farthest from all before, and from white paper and black lines.
     constexpr std::uint32_t kLevels = 9, kStep = 0x1e;
+    constexpr double kDarkest = 0.35;  // in the shade of a sphere the hue is still seen
     std::vector<std::pair<std::uint32_t, double>> candidates;
-    for (std::uint32_t n = 0; n < kLevels * kLevels * kLevels && count > colors.size(); ++n)
-        candidates.emplace_back(n % kLevels * kStep << 16 | n / kLevels % kLevels * kStep << 8 |
-                                    n / kLevels / kLevels * kStep,
-                                std::numeric_limits<double>::infinity());
+    for (std::uint32_t n = 0; n < kLevels * kLevels * kLevels && count > colors.size(); ++n) {
+        const std::uint32_t rgb = n % kLevels * kStep << 16 | n / kLevels % kLevels * kStep << 8 |
+                                  n / kLevels / kLevels * kStep;
+        if (perceived(rgb)[0] > kDarkest)
+            candidates.emplace_back(rgb, std::numeric_limits<double>::infinity());
+    }
     const auto add = [&](std::uint32_t color) {
         for (auto& [rgb, away] : candidates)
             away = std::min(away, length(perceived(rgb) - perceived(color)));

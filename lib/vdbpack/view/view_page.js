@@ -202,8 +202,13 @@ class View {
     const range = most > least
       ? [text(least), bar(`linear-gradient(to right, ${ramp})`), `${text(most)} ${unit}`]
       : [least <= most ? `${text(least)} ${unit}` : '–'];
+    const kind = (color, k) => {
+      const span = document.createElement('span');
+      span.append(bar(`rgb(${color})`, 'kind'), names[k]);
+      return span;
+    };
     this.part('.view-legend').replaceChildren(...!colors ? range : colors.flatMap((color, k) =>
-      k < lo + least || k > lo + most ? [] : [bar(`rgb(${color})`, 'kind'), names[k]]));
+      k < lo + least || k > lo + most ? [] : [kind(color, k)]));
   }
 
   // The sphere that is chosen
