@@ -9,12 +9,7 @@ import json
 import os
 import sys
 
-PROGRAMS = (("yade.csv", "YADE", "#1b6ca8"), ("lammps.csv", "LAMMPS", "#c4501b"))
-KINDS = (
-    ("bonds_cc", "cortical", ""),
-    ("bonds_ct", "mixed", "7 4"),
-    ("bonds_tt", "trabecular", "2 3"),
-)
+PROGRAMS = (("lammps.csv", "LAMMPS", "#c4501b"), ("yade.csv", "YADE", "#1b6ca8"))
 WIDTH, HEIGHT = 460, 380  # of a panel's picture
 LEFT, RIGHT, TOP, BOTTOM = 62, 14, 34, 48
 
@@ -32,14 +27,11 @@ def read_curve(path):
 
 
 def modulus(curve):
-    """Slope of stress against strain, least squares over strains of 0.1 to 0.5 %, Pa."""
-    points = [p for p in zip(curve["strain"], curve["stress_Pa"]) if 0.001 <= p[0] <= 0.005]
+    """Slope of stress against strain, least squares through 0 over the first strains up to 0.5 %, Pa."""
+    points = [p for p in zip(curve["strain"], curve["stress_Pa"]) if 0 < p[0] <= 0.005]
     if len(points) < 2:
-        fail("fewer than two records at strains of 0.1 to 0.5 %; raise --records")
-    mean = [sum(p[k] for p in points) / len(points) for k in (0, 1)]
-    return sum((e - mean[0]) * (s - mean[1]) for e, s in points) / sum(
-        (e - mean[0]) ** 2 for e, _ in points
-    )
+        fail("fewer than two records up to a strain of 0.5 %; raise --records")
+    return sum(e * s for e, s in points) / sum(e * e for e, _ in points)
 
 
 def figures(curve, setup):
@@ -48,26 +40,17 @@ def figures(curve, setup):
     peak = max(range(len(stress)), key=stress.__getitem__)
     force = [(t + b) / 2 for t, b in zip(curve["top_N"], curve["bottom_N"])]
     apart = max(abs(t - b) for t, b in zip(curve["top_N"], curve["bottom_N"])) / max(force)
-    elastic = min(range(len(strain)), key=lambda i: abs(strain[i] - 0.005))
-    shares = curve["cortical_N"][elastic], curve["trabecular_N"][elastic]
-    per_sphere = [s / n for s, n in zip(shares, setup["counts"]["spheres"])]
     work = 0.0
     for i in range(1, len(strain)):
         work += (force[i] + force[i - 1]) / 2 * (curve["closed_m"][i] - curve["closed_m"][i - 1])
-    yield "apparent modulus (0.1 to 0.5 %)", f"{modulus(curve) / 1e9:.2f} GPa"
-    yield "largest stress", f"{stress[peak] / 1e6:.1f} MPa at {100 * strain[peak]:.2f} %"
-    yield "largest force", f"{force[peak] / 1e3:.1f} kN"
+    slope = modulus(curve)
+    yield "apparent modulus (up to 0.5 %)", f"{slope / 1e6:.4g} MPa"
+    yield "divided by that of vdb_pack stiffness", f"{slope / setup['modulus']:.3f}"
+    yield "largest stress", f"{stress[peak] / 1e6:.3g} MPa at {100 * strain[peak]:.2f} %"
+    yield "largest force", f"{force[peak]:.4g} N"
     yield "force at the end", f"{100 * force[-1] / force[peak]:.0f} % of the largest"
-    yield ("largest difference between the forces at both ends",
-           f"{100 * apart:.1f} % of the largest force")
-    yield "cortical share of the force at 0.5 %", f"{100 * shares[0] / sum(shares):.0f} %"
-    yield ("force of a cortical divided by that of a trabecular sphere there",
-           f"{per_sphere[0] / per_sphere[1]:.1f}")
-    yield "sum of all shares divided by the force there", f"{sum(shares) / force[elastic]:.3f}"
-    for column, kind, _ in KINDS:
-        total = curve[column][0]
-        yield f"{kind} bonds broken", f"{total - curve[column][-1]:.0f} of {total:.0f}"
-    yield "work", f"{work:.2f} J"
+    yield "bonds broken", f"{curve['bonds'][0] - curve['bonds'][-1]:.0f} of {curve['bonds'][0]:.0f}"
+    yield "largest difference between the forces at both ends", f"{100 * apart:.1f} % of the largest force"
     yield "largest kinetic energy", f"{100 * max(curve['kinetic_J']) / work:.2f} % of the work"
 
 
@@ -80,7 +63,7 @@ def ticks(top):
 
 
 def panel(x0, title, x_label, y_label, x_ticks, y_ticks, lines):
-    """One diagram; lines: (xs, ys, color, dash, label). Labels are in the upper part."""
+    """One diagram; lines: (xs, ys, color, dash)."""
     right, low = x0 + WIDTH - RIGHT, HEIGHT - BOTTOM
     left = x0 + LEFT
     x_of = lambda v: left + (right - left) * v / x_ticks[-1]
@@ -99,7 +82,7 @@ def panel(x0, title, x_label, y_label, x_ticks, y_ticks, lines):
         f'<text transform="translate({x0 + 16} {(TOP + low) / 2}) rotate(-90)" '
         f'text-anchor="middle">{y_label}</text>'
     )
-    for xs, ys, color, dash, _ in lines:
+    for xs, ys, color, dash in lines:
         path = "L".join(f"{x_of(x):.1f} {y_of(max(y, 0)):.1f}" for x, y in zip(xs, ys))
         out.append(
             f'<path d="M{path}" fill="none" stroke="{color}" stroke-width="1.8" '
@@ -120,31 +103,24 @@ def key(x, y, entries):
     return out
 
 
-def draw(curves, path):
+def draw(curves, setup, path):
     last = max(100 * c["strain"][-1] for _, _, c in curves)
     x_ticks = ticks(last * 0.97)
     force, bonds = [], []
-    for name, color, c in curves:
+    for _, color, c in curves:
         xs = [100 * e for e in c["strain"]]
-        both = [(t + b) / 2000 for t, b in zip(c["top_N"], c["bottom_N"])]
-        force.append((xs, both, color, "", name))
-        force.append((xs, [f / 1000 for f in c["cortical_N"]], color, "7 4", ""))
-        force.append((xs, [f / 1000 for f in c["trabecular_N"]], color, "2 3", ""))
-        for column, kind, dash in KINDS:
-            share = [100 * n / c[column][0] for n in c[column]]
-            bonds.append((xs, share, color, dash, kind))
+        force.append((xs, [(t + b) / 2000 for t, b in zip(c["top_N"], c["bottom_N"])], color, ""))
+        bonds.append((xs, [100 * n / c["bonds"][0] for n in c["bonds"]], color, ""))
     y_ticks = ticks(max(max(line[1]) for line in force))
+    # N by mm of vdb_pack stiffness, as far as the diagram reaches.
+    per_percent = setup["stiffness"] * setup["gauge"] / 1e5
+    end = min(x_ticks[-1], y_ticks[-1] / per_percent)
+    force.append(([0, end], [0, per_percent * end], "#555", "7 4"))
     body = panel(0, "Force", "strain, %", "force, kN", x_ticks, y_ticks, force)
-    body += panel(WIDTH, "Bonds left", "strain, %", "share of each kind, %", x_ticks,
-                  [0, 20, 40, 60, 80, 100], bonds)
+    body += panel(WIDTH, "Bonds left", "strain, %", "share of all, %", x_ticks, [0, 20, 40, 60, 80, 100], bonds)
     base = HEIGHT + 12
-    solid = [(color, "", name) for name, color, _ in curves]
-    body += key(LEFT, base, solid)
-    body += key(LEFT + 110, base, [("#555", "7 4", "carried by cortical spheres"),
-                                   ("#555", "2 3", "carried by trabecular spheres")])
-    body += key(WIDTH + LEFT, base, solid)
-    body += key(WIDTH + LEFT + 110, base, [("#555", "", "cortical"), ("#555", "7 4", "mixed")])
-    body += key(WIDTH + LEFT + 220, base, [("#555", "2 3", "trabecular")])
+    body += key(LEFT, base, [(color, "", name) for name, color, _ in curves])
+    body += key(LEFT + 110, base, [("#555", "7 4", "vdb_pack stiffness --press")])
     with open(path, "w") as file:
         file.write(
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {2 * WIDTH} {HEIGHT + 48}" '
@@ -163,10 +139,10 @@ def main():
         if os.path.exists(path):
             curves.append((name, color, read_curve(path)))
     if not curves:
-        fail(f"{folder}: neither yade.csv nor lammps.csv; run compress first")
+        fail(f"{folder}: neither lammps.csv nor yade.csv; run compress first")
     with open(os.path.join(folder, "setup.json")) as file:
         setup = json.load(file)
-    draw(curves, os.path.join(folder, "curves.svg"))
+    draw(curves, setup, os.path.join(folder, "curves.svg"))
 
     columns = [list(figures(curve, setup)) for _, _, curve in curves]
     print("| | " + " | ".join(name for name, _, _ in curves) + " |")
