@@ -8,9 +8,9 @@ LAMMPS as Debian builds it has no package BPM. A bond is a spring (bond_style ha
 contact (pair_style granular: shear, bending and torsion). The contacts are wider than the spheres, so that they
 last until the bond breaks, and the springs shorter by so much that the forces cancel at the start, as in a joint
 with a preloaded bolt. Spring and contact together are as stiff along the bond as its row says; across it a
-contact has the mean of its two classes of spheres. Neighbors without a bond that the wider contacts reach have a
-spring that undoes the contact, until they touch. A bond breaks by its stretch; shear is limited by friction
-times the preload.
+contact has the mean of its two classes of spheres, less what neighbors without a bond add. Such neighbors that
+the wider contacts reach have a spring that undoes the contact along their line, until they touch. A bond breaks
+by its stretch; shear is limited by friction times the preload.
 """
 
 import csv
@@ -41,11 +41,13 @@ i, j = bonds["i"].astype(int), bonds["j"].astype(int)
 n, m = len(spheres["x"]), len(i)
 stretch = bonds["tensile_N"] / bonds["k_n"]  # at which a bond breaks
 
-# Contacts must last until the bond breaks.
-gap = bonds["length"] - spheres["radius"][i] - spheres["radius"][j]
+# Contacts must last until the bond breaks, and reach as few other neighbors as possible.
+reach = stretch + bonds["length"] - spheres["radius"][i] - spheres["radius"][j]
 wider = numpy.zeros(n)
-for end in (i, j):
-    numpy.maximum.at(wider, end, stretch + gap)
+for k in numpy.argsort(-reach):
+    missing = reach[k] - (wider[i[k]] + wider[j[k]]) / 2
+    if missing > 0:
+        wider[[i[k], j[k]]] += missing
 diameter = 2 * spheres["radius"] + wider
 overlap = (diameter[i] + diameter[j]) / 2 - bonds["length"]
 
@@ -84,6 +86,8 @@ for a in range(CLASSES):
             tangential[of] = bonds["k_t"][of].mean()
             rolling[of] = (bonds["k_bending"] / reduced**2)[of].mean() * reduced[of] ** 2
             twisting[of] = bonds["k_torsion"][of].mean()
+        # The contacts of neighbors without a bond resist as well; all together as much as the bonds.
+        shared = of.sum() / (of.sum() + ((kp == a) & (kq == b)).sum())
         mean = lambda values: values[of].mean()
         mass = 0.5 * (spheres["mass"][i] + spheres["mass"][j])[of].mean()
         damping = 2 * DAMPING * math.sqrt(mean(bonds["k_n"]) * mass / 2)
@@ -91,8 +95,8 @@ for a in range(CLASSES):
         r = mean(reduced)
         coefficients.append(
             f"pair_coeff {a + 1} {b + 1} hooke {k:.9g} {damping:.6g} tangential linear_history "
-            f"{mean(bonds['k_t']):.9g} 1 {friction:.6g} rolling sds {mean(bonds['k_bending'] / reduced**2):.9g} "
-            f"{damping:.6g} 1e6 twisting sds {mean(bonds['k_torsion']):.9g} {damping * r * r:.6g} 1e6 "
+            f"{shared * mean(bonds['k_t']):.9g} 1 {friction:.6g} rolling sds {shared * mean(bonds['k_bending'] / reduced**2):.9g} "
+            f"{damping:.6g} 1e6 twisting sds {shared * mean(bonds['k_torsion']):.9g} {damping * r * r:.6g} 1e6 "
             "damping velocity"
         )
 along, about = numpy.zeros(n), numpy.zeros(n)

@@ -32,8 +32,8 @@ O.materials.append(
         poisson=0.3,
         density=1000,
         frictionAngle=math.atan(setup["friction"]),
-        normalCohesion=0,
-        shearCohesion=0,
+        normalCohesion=1,  # of bonds until they get their own
+        shearCohesion=1,
         momentRotationLaw=True,
         isCohesive=True,
         fragile=True,
@@ -50,12 +50,13 @@ for row in spheres:
 bottom = [i for i, row in enumerate(spheres) if row["grip"] < 0]
 top = [i for i, row in enumerate(spheres) if row["grip"] > 0]
 
+makes_bonds = Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionNow=True)
 O.engines = [
     ForceResetter(),
     InsertionSortCollider([Bo1_Sphere_Aabb()]),
     InteractionLoop(
         [Ig2_Sphere_Sphere_ScGeom6D()],
-        [Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionNow=False)],
+        [makes_bonds],
         [Law2_ScGeom6D_CohFrictPhys_CohesionMoment(always_use_moment_law=False)],
     ),
     NewtonIntegrator(damping=DAMPING, gravity=(0, 0, 0)),
@@ -69,10 +70,11 @@ for row in bonds:
     phys.kn, phys.ks, phys.kr, phys.ktw = row["k_n"], row["k_t"], row["k_bending"], row["k_torsion"]
     phys.unp = one.geom.penetrationDepth  # without force at first, whatever the gap
     phys.normalAdhesion, phys.shearAdhesion = row["tensile_N"], row["shear_N"]
-    phys.cohesionBroken, phys.fragile, phys.momentRotationLaw = False, True, True
+    phys.fragile = phys.momentRotationLaw = True
     if hasattr(phys, "rollingAdhesion"):  # later versions also break bonds by their moments
         phys.rollingAdhesion = phys.twistingAdhesion = 1e300
     made.append((int(row["i"]), int(row["j"])))
+makes_bonds.setCohesionNow = False  # later contacts have friction only
 
 
 def whole():
