@@ -29,7 +29,7 @@ std::pair<double, double> estimatedAndTaken(const std::string& line, unsigned se
     const auto run = vdbPackWithin(seconds, words);
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
-    words.insert(words.end(), {"--memory-limit", "64M"});
+    words.insert(words.end(), {"--memory-limit", "76M"});
     const auto refused = vdbPackWithin(seconds, words);
     CAPTURE(refused.text);
     REQUIRE(refused.code == 5);
