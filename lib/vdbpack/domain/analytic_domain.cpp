@@ -22,13 +22,13 @@ void checkPositive(double value, const char* shape, const char* what) {
             fmt::format("{}: {} {} is invalid; give a positive length in mm", shape, what, value));
 }
 
-/// The shape itself. @throws ParameterError if its volume is no number above 0: too large or small.
+/// The shape itself. @throws ParameterError if its volume is no finite number above 0.
 template <class Shape>
 std::shared_ptr<Shape> withVolume(std::shared_ptr<Shape> shape, const char* name) {
     if (!(shape->volume() > 0) || !std::isfinite(shape->volume()))
-        throw ParameterError(
-            fmt::format("{}: its volume comes to {}; give lengths that a bone could have, in mm",
-                        name, shape->volume()));
+        throw ParameterError(fmt::format(
+            "{}: its volume or area comes to {}; give lengths that a bone could have, in mm", name,
+            shape->volume()));
     return shape;
 }
 

@@ -1,4 +1,5 @@
 // The run that computes the stiffness of a bonded pack: `vdb_pack stiffness`.
+#include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/materials.h"
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -68,20 +68,16 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
 void warnOfLoose(const std::vector<Bond>& bonds, const BondedBody& body,
                  const Callbacks& callbacks) {
     const std::size_t n = body.pack->spheres.size();
-    std::vector<std::uint32_t> root(n + 1);
-    std::iota(root.begin(), root.end(), 0u);
-    const auto rootOf = [&](std::uint32_t i) {
-        while (root[i] != i) i = root[i] = root[root[i]];
-        return i;
-    };
-    for (const Bond& b : bonds) root[rootOf(b.i)] = rootOf(b.j);
+    const auto wall = static_cast<std::uint32_t>(n);
+    DisjointSets sets(n + 1);
+    for (const Bond& b : bonds) sets.join(b.i, b.j);
     for (std::uint32_t i = 0; i < body.boundary.size(); ++i)
-        if (body.boundary[i]) root[rootOf(i)] = rootOf(static_cast<std::uint32_t>(n));
+        if (body.boundary[i]) sets.join(i, wall);
     std::vector<std::size_t> members(n + 1);
-    for (std::uint32_t i = 0; i < n; ++i) ++members[rootOf(i)];
+    for (std::uint32_t i = 0; i < n; ++i) ++members[sets.find(i)];
     const std::size_t held = body.boundary.empty()
                                  ? *std::max_element(members.begin(), members.end())
-                                 : members[rootOf(static_cast<std::uint32_t>(n))];
+                                 : members[sets.find(wall)];
     const double share = static_cast<double>(held) / static_cast<double>(n);
     if (share < kHeld)
         callbacks.warn(
