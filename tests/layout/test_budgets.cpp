@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 90447},
-    {"lib/python", 2015},
+    {"lib", 90460},
+    {"lib/python", 2024},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2932},
     {"lib/vdbpack/mesh", 3879},
@@ -38,13 +38,13 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/voids", 7994},
     {"lib/vdbpack/formats", 9748},
     {"lib/vdbpack/report", 3873},
-    {"lib/vdbpack/preview", 3344},
-    {"lib/vdbpack/view", 1563},
+    {"lib/vdbpack/preview", 3347},
+    {"lib/vdbpack/view", 1568},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3338},
-    {"lib/vdbpack/run", 6271},
+    {"lib/vdbpack/run", 6267},
     {"tools", 3811},
-    {"tests", 33761},
+    {"tests", 33762},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;
