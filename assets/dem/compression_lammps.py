@@ -39,7 +39,7 @@ def table(name):
 spheres, bonds = table("spheres.csv"), table("bonds.csv")
 i, j = bonds["i"].astype(int), bonds["j"].astype(int)
 n, m = len(spheres["x"]), len(i)
-stretch = bonds["tensile_N"] / bonds["k_n"]  # at which a bond breaks
+stretch = bonds["tensile"] / bonds["k_n"]  # at which a bond breaks
 
 # Contacts must last until the bond breaks, and reach as few other neighbors as possible.
 reach = stretch + bonds["length"] - spheres["radius"][i] - spheres["radius"][j]
@@ -91,7 +91,7 @@ for a in range(CLASSES):
         mean = lambda values: values[of].mean()
         mass = 0.5 * (spheres["mass"][i] + spheres["mass"][j])[of].mean()
         damping = 2 * DAMPING * math.sqrt(mean(bonds["k_n"]) * mass / 2)
-        friction = mean(bonds["shear_N"]) / mean(k * overlap)
+        friction = mean(bonds["shear"]) / mean(k * overlap)
         r = mean(reduced)
         coefficients.append(
             f"pair_coeff {a + 1} {b + 1} hooke {k:.9g} {damping:.6g} tangential linear_history "

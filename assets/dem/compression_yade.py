@@ -4,17 +4,20 @@
 
     yade -n -x -j2 compression_yade.py curve.csv
 
-Each bond is a CohFrictPhys with the stiffnesses of its row of bonds.csv: it resists tension, shear, bending
-and torsion until its normal or shear force exceeds its strength; then only friction remains.
+Each bond is a CohFrictPhys with the stiffnesses of its row of bonds.csv (yade_bonds.py, beside this script): it
+resists tension, shear, bending and torsion until its normal or shear force exceeds its strength; then only
+friction remains.
 """
 
 import csv
 import json
 import math
+import os
 import sys
 import time
 
-DAMPING = 0.3  # of the force, against the velocity
+sys.path.append(os.path.dirname(os.path.abspath(sys.argv[0])))
+from yade_bonds import bond_engines, bonded_material, load_bonds, whole_bonds
 
 with open("setup.json") as file:
     setup = json.load(file)
@@ -25,20 +28,8 @@ def table(name):
         return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(rows)]
 
 
-spheres, bonds = table("spheres.csv"), table("bonds.csv")
-O.materials.append(
-    CohFrictMat(
-        young=setup["young"],
-        poisson=0.3,
-        density=1000,
-        frictionAngle=math.atan(setup["friction"]),
-        normalCohesion=1,  # of bonds until they get their own
-        shearCohesion=1,
-        momentRotationLaw=True,
-        isCohesive=True,
-        fragile=True,
-    )
-)
+spheres = table("spheres.csv")
+O.materials.append(bonded_material(young=setup["young"], density=1000, frictionAngle=math.atan(setup["friction"])))
 for row in spheres:
     O.bodies.append(sphere((row["x"], row["y"], row["z"]), row["radius"]))
     state = O.bodies[-1].state
@@ -49,41 +40,9 @@ for row in spheres:
         state.vel = (0, 0, -row["grip"] * setup["speed"])
 bottom = [i for i, row in enumerate(spheres) if row["grip"] < 0]
 top = [i for i, row in enumerate(spheres) if row["grip"] > 0]
-
-makes_bonds = Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionNow=True)
-O.engines = [
-    ForceResetter(),
-    InsertionSortCollider([Bo1_Sphere_Aabb()]),
-    InteractionLoop(
-        [Ig2_Sphere_Sphere_ScGeom6D()],
-        [makes_bonds],
-        [Law2_ScGeom6D_CohFrictPhys_CohesionMoment(always_use_moment_law=False)],
-    ),
-    NewtonIntegrator(damping=DAMPING, gravity=(0, 0, 0)),
-]
+O.engines = bond_engines()
 O.dt = setup["dt"]
-
-made = []
-for row in bonds:
-    one = createInteraction(int(row["i"]), int(row["j"]))
-    phys = one.phys
-    phys.kn, phys.ks, phys.kr, phys.ktw = row["k_n"], row["k_t"], row["k_bending"], row["k_torsion"]
-    phys.unp = one.geom.penetrationDepth  # without force at first, whatever the gap
-    phys.normalAdhesion, phys.shearAdhesion = row["tensile_N"], row["shear_N"]
-    phys.fragile = phys.momentRotationLaw = True
-    if hasattr(phys, "rollingAdhesion"):  # later versions also break bonds by their moments
-        phys.rollingAdhesion = phys.twistingAdhesion = 1e300
-    made.append((int(row["i"]), int(row["j"])))
-makes_bonds.setCohesionNow = False  # later contacts have friction only
-
-
-def whole():
-    """Which bonds are whole, in the order of bonds.csv."""
-    states = []
-    for i, j in made:
-        one = O.interactions[i, j] if O.interactions.has(i, j) else None
-        states.append(one is not None and one.isReal and not one.phys.cohesionBroken)
-    return states
+made = load_bonds("bonds.csv")
 
 
 interval = setup["steps"] // setup["records"]
@@ -91,7 +50,7 @@ samples = 20 if interval >= 20 else 1  # waves run through the specimen: a recor
 started = time.time()
 with open(sys.argv[1], "w") as curve:
     curve.write("strain,closed_m,top_N,bottom_N,stress_Pa,bonds,kinetic_J\n")
-    curve.write("0,0,0,0,0,%d,0\n" % sum(whole()))
+    curve.write("0,0,0,0,0,%d,0\n" % sum(whole_bonds(made)))
     while O.iter < setup["steps"]:
         pushed_top = pushed_bottom = closed = 0.0
         for _ in range(samples):
@@ -99,7 +58,7 @@ with open(sys.argv[1], "w") as curve:
             pushed_top += sumForces(top, (0, 0, 1)) / samples
             pushed_bottom -= sumForces(bottom, (0, 0, 1)) / samples
             closed += 2 * setup["speed"] * O.time / samples
-        left = sum(whole())
+        left = sum(whole_bonds(made))
         strain = closed / setup["gauge"]
         stress = (pushed_top + pushed_bottom) / 2 / setup["area"]
         curve.write(
@@ -113,4 +72,4 @@ with open(sys.argv[1], "w") as curve:
             flush=True,
         )
 with open("whole_yade.csv", "w") as file:
-    file.write("whole\n" + "".join("%d\n" % state for state in whole()))
+    file.write("whole\n" + "".join("%d\n" % state for state in whole_bonds(made)))

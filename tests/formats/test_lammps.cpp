@@ -234,6 +234,16 @@ TEST_CASE("each touching pair is a bond between its atoms") {
     PackWriteOptions options;
     options.bonds.tolerance = 0.2;
     REQUIRE_THAT(written(pack, options, "lammps-bonds:"), Contains("\n3 1 30 40\n"));
+    options.bonds.classes = 0;
+    const auto each = written(pack, options, "lammps-bonds:");
+    REQUIRE_THAT(each, Contains("\n3 bonds\n3 bond types\n"));
+    REQUIRE_THAT(each, Contains("\n3 3 30 40\n"));
+    options.bonds.classes = 5;
+    const auto bpm = written(pack, options, "lammps-bonds:");
+    REQUIRE_THAT(bpm, Contains("\n5 bond types\n"));
+    REQUIRE_THAT(bpm, Contains("\nAtoms # bpm/sphere\n\n10 0 1 "));
+    const TextFile file(bpm);
+    REQUIRE(readPack("lammps:" + file.path()).spheres == pack.spheres);
 }
 
 TEST_CASE("ids that LAMMPS cannot take are counted from one") {

@@ -2,9 +2,12 @@
 #include "support/image_file.h"
 #include "support/jobs.h"
 #include "support/test.h"
+#include "support/text_file.h"
 
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
+
+#include <fmt/format.h>
 
 #include <cmath>
 
@@ -22,7 +25,8 @@ PackRecipe boxAndPeg(const TemporaryFolder& folder) {
     PackRecipe recipe;
     recipe.parts = {boxPart(folder.file("a.stl"), {{{0, 0, 0}}, {{10, 10, 10}}}, "bone"),
                     boxPart(folder.file("b.stl"), {{{5, 2, 2}}, {{15, 8, 8}}}, "peg")};
-    recipe.outputs = {"bonds:" + folder.file("bonds.csv")};
+    recipe.outputs = {"bonds:" + folder.file("bonds.csv"),
+                      "interfaces:" + folder.file("interfaces.csv")};
     return recipe;
 }
 
@@ -54,6 +58,12 @@ TEST_CASE("an interface has its area and its bonds beside those of the parts") {
     for (const std::string& text : mended.report.warnings)
         CHECK_THAT(text, !Contains("weak plane"));
     CHECK(mended.report.hash == run.report.hash);
+    const std::string table = contentOf(folder.file("interfaces.csv"));
+    CHECK_THAT(table, Contains(fmt::format("\nbone,peg,{},", strong.pairs)));
+    recipe.parts.pop_back();
+    recipe = std::move(recipe.parts.front());
+    recipe.outputs = {"interfaces:" + folder.file("none.csv")};
+    CHECK_THROWS_WITH(runPack(recipe), Contains("partsFile"));
 }
 
 TEST_CASE("a part that was moved away from all others is named") {

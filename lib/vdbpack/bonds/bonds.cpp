@@ -21,6 +21,10 @@ void requireLaw(const BondLaw& law, std::size_t spheres) {
     require(positive(law.radiusFactor), "radius factor", law.radiusFactor, "give one above 0");
     require(law.shearRatio >= 0 && std::isfinite(law.shearRatio), "ratio of stiffnesses",
             law.shearRatio, "give 0 or more");
+    require(positive(law.breakingStrain.value_or(1)), "breaking strain",
+            law.breakingStrain.value_or(1), "give a share above 0, such as 0.0078");
+    require(positive(law.shearStrength), "shear strength", law.shearStrength,
+            "give a share of the tensile strength above 0");
     if (!law.moduli.empty() && law.moduli.size() != spheres)
         throw ParameterError(fmt::format("bonds: {} moduli for {} spheres; give one each",
                                          law.moduli.size(), spheres));
@@ -68,6 +72,8 @@ std::vector<Bond> bondsOf(const Pack<3>& pack, const std::vector<Contact>& conta
         const double inertia = 0.25 * bond.area() * bond.radius * bond.radius;
         bond.bending = law.isHinged ? 0 : bond.modulus * inertia / bond.length;
         bond.torsion = 2 * law.shearRatio * bond.bending;
+        bond.tensile = law.breakingStrain.value_or(0) * bond.modulus * bond.area();
+        bond.shear = law.shearStrength * bond.tensile;
     });
     return bonds;
 }

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace vdbpack {
@@ -22,6 +23,11 @@ struct BondLaw {
     /// Poisson's ratio is 0.25. At least 0.
     double shearRatio = 0.4;
     bool isHinged = false;  ///< whether bonds resist neither bending nor torsion
+    /// Strain in tension at which bonds break, the same for all moduli, and so for all densities:
+    /// yield strains of trabecular bone are uniform within an anatomic site (Morgan et al. 2004,
+    /// J Biomech 37:1413-1420). Nothing: bonds have no strength.
+    std::optional<double> breakingStrain{};
+    double shearStrength = 0.51;  ///< divided by the tensile strength, > 0
 };
 
 /// How the spheres of a pack are bonded.
@@ -30,6 +36,8 @@ struct BondOptions {
     double tolerance = 1e-3;  ///< largest gap of bonded spheres, in smaller radii
     /// The same between spheres of two parts, where it is larger; 0: `tolerance`.
     double interfaceTolerance = 0;
+    /// Classes of bonds by k_n, of equal width in its logarithm; 0: one for each bond.
+    std::uint32_t classes = 1;
 };
 
 /// A beam of circular cross-section from center to center, cut where the surfaces meet: there its
@@ -45,6 +53,9 @@ struct Bond {
     double tangential = 0;       ///< k_t, N/mm
     double bending = 0;          ///< E I / length, N mm per rad
     double torsion = 0;          ///< k_t / k_n * 2 E I / length, N mm per rad
+    double tensile = 0;          ///< force in tension at which it breaks, N; 0: it does not
+    double shear = 0;            ///< the same across
+    std::uint32_t number = 1;    ///< of its class, from 1 on
 
     double area() const;  ///< mm²
 };
@@ -58,6 +69,17 @@ struct Bond {
 /// section 2.2, with stiffnesses as in their equations for E and the ratio of stiffnesses.
 std::vector<Bond> bondsOf(const Pack<3>& pack, const std::vector<Contact>& contacts,
                           const BondLaw& law);
+
+/// Where two parts meet.
+struct InterfaceReport {
+    std::array<std::string, 2> parts;  ///< their names
+    std::uint64_t pairs = 0;           ///< bonds across
+    double area = 0;                   ///< of their common wall, mm²
+    /// Bonds per mm² that a plane through each part cuts, on average over its directions.
+    std::array<double, 2> bulk{};
+
+    double perArea() const { return area > 0 ? static_cast<double>(pairs) / area : 0; }
+};
 
 /// A pack as an elastic body.
 struct BondedBody {
@@ -92,7 +114,7 @@ struct ApparentStiffness {
 /// does not converge; Interrupted.
 ///
 /// Cost: about 0.4 µs per bond and iteration of all six cases on two threads; iterations grow with
-/// the number of spheres across. 500 bytes per sphere and 90 per bond. Source: energy of a uniform
+/// the number of spheres across. 500 bytes per sphere and 115 per bond. Source: energy of a uniform
 /// strain (Hill's condition) on the boundary, as Zysset (1992) and Pahr, Zysset (2008),
 /// doi:10.1007/s10237-007-0109-7, use it for voxels of bone.
 ApparentStiffness apparentStiffness(const BondedBody& body, const Callbacks& callbacks = {});

@@ -24,6 +24,8 @@ struct Prefix {
 constexpr Prefix kPrefixes[] = {
     {"contacts:", OutputKind::contacts, nullptr, ""},
     {"bonds:", OutputKind::bonds, nullptr, ""},
+    {"bond-coeffs:", OutputKind::bondCoefficients, ".lmp", ""},
+    {"interfaces:", OutputKind::interfaces, ".csv", ""},
     {"list:", OutputKind::voidList, nullptr, ""},
     {"materials:", OutputKind::materials, ".csv", ""},
     {"surface:", OutputKind::contour, ".stl", kSurface},
@@ -84,7 +86,7 @@ bool OutputTarget::isSolid() const {
 }
 
 bool OutputTarget::listsPairs() const {
-    return kind == OutputKind::contacts || kind == OutputKind::bonds ||
+    return kind == OutputKind::contacts || isOfBonds() || kind == OutputKind::interfaces ||
            startsWith(text, "lammps-bonds:");
 }
 

@@ -9,6 +9,8 @@ enum class OutputKind {
     pack,
     contacts,
     bonds,
+    bondCoefficients,
+    interfaces,
     voidList,
     materials,
     labels,
@@ -41,7 +43,11 @@ struct OutputTarget {
     bool isSolid() const;
     /// The same, or a file that shows level sets beside the spheres (blender:).
     bool usesLevelSets() const { return isSolid() || kind == OutputKind::blender; }
-    /// Whether it lists pairs of spheres in contact.
+    /// Whether it lists elastic bonds, or their stiffness.
+    bool isOfBonds() const {
+        return kind == OutputKind::bonds || kind == OutputKind::bondCoefficients;
+    }
+    /// Whether it lists pairs of spheres in contact, or counts them.
     bool listsPairs() const;
 };
 

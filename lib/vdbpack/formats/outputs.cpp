@@ -227,12 +227,11 @@ void checkOutputKinds(const std::vector<OutputTarget>& outputs, RunKind run,
                       const VoidRecipe& voids, int dim) {
     for (const OutputTarget& target : outputs) {
         const std::string& output = target.text;
-        if (run == RunKind::measure && target.kind != OutputKind::contacts &&
-            target.kind != OutputKind::bonds)
+        if (run == RunKind::measure && target.kind != OutputKind::contacts && !target.isOfBonds())
             throw ParameterError(output +
                                  ": pairs of spheres alone are written; name it contacts:FILE.csv, "
                                  "or bonds:FILE.csv");
-        if (target.kind == OutputKind::bonds && dim == 2)
+        if (target.isOfBonds() && dim == 2)
             throw ParameterError(output + ": bonds join spheres; leave it out");
         const bool solid = target.isSolid();
         const bool levelSet = solid && target.kind != OutputKind::pack;
@@ -285,8 +284,13 @@ void writePairs(const OutputTarget& target, const Pack<Dim>& pack,
                 const PackWriteOptions& options) {
     if (target.kind == OutputKind::contacts)
         writeContacts(pack, bondedPairs(pack, options.bonds), target.file, options.unit);
-    else if constexpr (Dim == 3)
-        writeBonds(pack, bondsIn(pack, options.bonds), target.file, options.unit);
+    else if constexpr (Dim == 3) {
+        const auto bonds = bondsIn(pack, options.bonds);
+        if (target.kind == OutputKind::bonds)
+            writeBonds(pack, bonds, target.file, options.unit);
+        else
+            writeBondCoefficients(bonds, options.bonds, target.file, options.unit);
+    }
 }
 
 }  // namespace
@@ -306,8 +310,13 @@ std::vector<std::string> writeOutput(const OutputTarget& target, const RunOutput
             break;
         case OutputKind::contacts:
         case OutputKind::bonds:
+        case OutputKind::bondCoefficients:
             need(have.pack != nullptr, "pack");
             writePairs(target, *have.pack, have.options);
+            break;
+        case OutputKind::interfaces:
+            need(have.interfaces != nullptr, "interfaces");
+            writeInterfaces(*have.interfaces, target.file, have.options.unit);
             break;
         case OutputKind::materials:
             need(have.pack != nullptr, "pack");

@@ -1,6 +1,7 @@
 // What runs write: every kind of `-o` target, in one place.
 #pragma once
 
+#include "vdbpack/bonds/bonds.h"
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
@@ -57,6 +58,7 @@ struct RunOutputs {
     double sliceHeight = 0;                                 ///< 2D: z of the voids in a list, mm
     const Domain<Dim>* domain = nullptr;  ///< for the level set where `options` has none
     const TriangleMesh* wall = nullptr;   ///< of a mesh: what a .stl of `surface` holds; null: none
+    const std::vector<InterfaceReport>* interfaces = nullptr;  ///< null: no parts
     LabelSource labels;
     PackWriteOptions options;  ///< unit, level sets, contact tolerance, ...
     std::string volume;        ///< a .vdb of this run with those level sets; empty: none
@@ -67,8 +69,9 @@ struct RunOutputs {
 /// - a pack, as `writePack` names them, a .usda with the contour of `solid`, or else with the
 ///   triangles of a mesh; where there is no pack, a .vdb of the level sets;
 /// - "contacts:FILE.csv", the touching pairs; "bonds:FILE.csv", the same as `writeBonds` has them;
-///   "list:FILE.csv", the voids; "materials:FILE.csv",
-///   the materials that files of DEM programs number;
+///   "bond-coeffs:FILE.lmp" as `writeBondCoefficients`, "interfaces:FILE.csv" as `writeInterfaces`;
+///   "list:FILE.csv", the voids; "materials:FILE.csv", the materials that files of DEM programs
+///   number;
 /// - "labels:FILE", the ids of the spheres + 1 as a label map (.nii .nii.gz .nrrd .mha);
 ///   "labels-regions:", "labels-parts:" and "labels-materials:", these numbers + 1;
 ///   "labels-solid:", 1 (or the part + 1) within what is left of the domain;

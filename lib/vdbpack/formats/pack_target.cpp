@@ -30,7 +30,7 @@ std::string formatList(bool written) {
     if (!written) return list.substr(0, list.size() - 2);
     return list +
            ".svg for circles, .stl, levelsets: or fog:FILE.vdb for surfaces, blender:FILE.py, "
-           "contacts:, bonds:, materials: or list:FILE.csv, labels:FILE.nii.gz";
+           "contacts:, bonds:, interfaces:, materials: or list:FILE.csv, labels:FILE.nii.gz";
 }
 
 /// @param name  without the dot of an extension.

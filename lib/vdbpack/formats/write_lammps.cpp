@@ -19,6 +19,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace vdbpack {
@@ -130,12 +131,42 @@ struct Atoms {
     AtomDensities densities;
 };
 
-/// @param bonds  number of them; null: atoms alone.
+/// Bonds of a file: their pairs, each with its type where there are several.
+struct BondRows {
+    std::vector<Contact> pairs;
+    std::vector<std::uint32_t> types;  ///< of each; empty: 1
+    std::uint32_t typeCount = 1;
+    /// For bond_style bpm/rotational, which takes the length of each bond as it is, so that many
+    /// may have the same type.
+    bool isBpm = false;
+};
+
+BondRows bondRows(const PackView& pack, const BondOptions& options) {
+    BondRows rows;
+    pack.withPack([&](const auto& own) {
+        rows.pairs = bondedPairs(own, options);
+        if constexpr (std::is_same_v<decltype(own), const Pack<3>&>) {
+            if (options.classes == 1) return;
+            for (const Bond& bond : bondsIn(own, options)) rows.types.push_back(bond.number);
+            rows.isBpm = options.classes > 0;
+            rows.typeCount = rows.isBpm
+                                 ? options.classes
+                                 : std::max(1u, static_cast<std::uint32_t>(rows.types.size()));
+        }
+    });
+    return rows;
+}
+
+/// @param bonds  null: atoms alone.
 PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, const AllAtoms& all,
-                      const std::shared_ptr<const Atoms>& atoms, const std::size_t* bonds) {
+                      const std::shared_ptr<const Atoms>& atoms, const BondRows* bonds) {
+    const bool isBpm = bonds && bonds->isBpm;
     std::string title = oneLine(options.generator).substr(0, 60);
     if (!title.empty()) title += "; ";
-    title += fmt::format("atom_style {}; {}", bonds ? kLammpsBonded : "sphere or granular",
+    title += fmt::format("atom_style {}; {}",
+                         isBpm   ? "bpm/sphere"
+                         : bonds ? kLammpsBonded
+                                 : "sphere or granular",
                          atoms->ids.meaning());
     if (const std::string types = atoms->types.meaning(); !types.empty()) title += "; " + types;
     title += fmt::format("{}{}", kLammpsDensity,
@@ -155,7 +186,8 @@ PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, con
     std::string& header = rows.header;
     header = title + '\n' + partComments(pack.attributes()) + '\n';
     header += fmt::format("{} atoms\n{} atom types\n", all.count, all.types);
-    if (bonds) header += fmt::format("{} bonds\n1 bond types\n", *bonds);
+    if (bonds)
+        header += fmt::format("{} bonds\n{} bond types\n", bonds->pairs.size(), bonds->typeCount);
     header += '\n';
     for (int d = 0; d < 3; ++d) {
         const char axis = "xyz"[d];
@@ -164,10 +196,15 @@ PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, con
         header += fmt::format(" {}lo {}hi\n", axis, axis);
     }
     // Without a style after it: LIGGGHTS does not accept `Atoms # sphere` as a section.
-    if (all.count > 0) header += bonds ? "\nAtoms # hybrid\n\n" : "\nAtoms\n\n";
-    rows.append = [&pack, atoms, bonded = bonds != nullptr](std::string& text, std::size_t i) {
+    if (all.count > 0)
+        header += isBpm   ? "\nAtoms # bpm/sphere\n\n"
+                  : bonds ? "\nAtoms # hybrid\n\n"
+                          : "\nAtoms\n\n";
+    rows.append = [&pack, atoms, isBpm, bonded = bonds && !isBpm](std::string& text,
+                                                                  std::size_t i) {
         const auto number = [&text](double v) { appendNumber(text += ' ', v); };
         appendNumber(text, atoms->ids(i));
+        if (isBpm) text += " 0";  // of no molecule
         appendNumber(text += ' ', atoms->types(i));
         const auto p = pack.position(i);
         if (bonded)
@@ -184,21 +221,20 @@ PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, con
 }
 
 /// @param bonds  null: atoms alone.
-void writeAtoms(const PackView& pack, const PackWriteOptions& options,
-                const std::vector<Contact>* bonds, OutputFile& out) {
+void writeAtoms(const PackView& pack, const PackWriteOptions& options, const BondRows* bonds,
+                OutputFile& out) {
     const auto atoms = std::make_shared<Atoms>(pack, options, nullptr);
-    const std::size_t count = bonds ? bonds->size() : 0;
     const PackTextRows rows =
-        atomRows(pack, options, {pack.size(), atoms->types.count(), pack.bounds()}, atoms,
-                 bonds ? &count : nullptr);
+        atomRows(pack, options, {pack.size(), atoms->types.count(), pack.bounds()}, atoms, bonds);
     out.write(rows.header);
     writeRows(out, pack.size(), rows.append);
-    if (!bonds || bonds->empty()) return;
+    if (!bonds || bonds->pairs.empty()) return;
     out.write(std::string("\nBonds\n\n"));
-    writeRows(out, bonds->size(), [&](std::string& text, std::size_t b) {
+    writeRows(out, bonds->pairs.size(), [&](std::string& text, std::size_t b) {
         appendNumber(text, static_cast<std::int64_t>(b) + 1);
-        appendNumber(text += " 1 ", atoms->ids((*bonds)[b].i));
-        appendNumber(text += ' ', atoms->ids((*bonds)[b].j));
+        appendNumber(text += ' ', std::int64_t{bonds->types.empty() ? 1 : bonds->types[b]});
+        appendNumber(text += ' ', atoms->ids(bonds->pairs[b].i));
+        appendNumber(text += ' ', atoms->ids(bonds->pairs[b].j));
         text += '\n';
     });
 }
@@ -219,8 +255,7 @@ void writeLammps(const PackView& pack, const PackWriteOptions& options, OutputFi
 }
 
 void writeLammpsBonds(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
-    const auto bonds =
-        pack.withPack([&options](const auto& own) { return bondedPairs(own, options.bonds); });
+    const BondRows bonds = bondRows(pack, options.bonds);
     writeAtoms(pack, options, &bonds, out);
 }
 

@@ -155,7 +155,9 @@ void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
 
 void list(OptionList& rows, StiffnessRecipe& job, PrintOptions& print) {
     inputPackOptions(rows, job, "PACK", kPackHelp);
-    outputOption(rows, job.outputs, "bonds:FILE.csv, contacts:FILE.csv: the pairs");
+    outputOption(rows, job.outputs,
+                 "bonds:FILE.csv, contacts:FILE.csv: the pairs; bond-coeffs:FILE.lmp: their "
+                 "stiffness for LAMMPS");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     bondOptions(rows, job.bonds);
     rows.custom("bond-modulus-for", "E,NU",

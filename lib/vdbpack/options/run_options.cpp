@@ -26,7 +26,8 @@ const char* const kOutputHelp =
     ".stl "
     "(surface:FILE.stl, voids:FILE.stl or solid:FILE.stl selects one), levelsets:FILE.vdb, "
     "fog:FILE.vdb. blender:FILE.py: a script that shows the spheres. Lists: contacts:FILE.csv "
-    "(pairs in contact), bonds:FILE.csv (these as elastic bonds), materials:FILE.csv, "
+    "(pairs in contact), bonds:FILE.csv (these as elastic bonds), bond-coeffs:FILE.lmp (their "
+    "stiffness for LAMMPS), interfaces:FILE.csv (of parts), materials:FILE.csv, "
     "list:FILE.csv (voids). Label maps (.nii .nii.gz .nrrd "
     ".mha): labels:FILE (ids + 1 of spheres), labels-regions:, labels-parts:, labels-materials:, "
     "labels-solid:FILE (the domain or solid)";

@@ -16,7 +16,7 @@ const char* const kRadiusSpec =
 
 namespace {
 
-constexpr std::uint64_t kMostDensityClasses = 1000;
+constexpr std::uint64_t kMostDensityClasses = 1000, kMostBondClasses = 10'000;
 
 template <class Value>
 std::pair<std::string, Value> named(Value value) {
@@ -171,6 +171,16 @@ void bondOptions(OptionList& rows, BondOptions& bonds) {
     rows.number("bond-shear", "RATIO [0.4]", bonds.law.shearRatio, Range::notNegative,
                 "tangential divided by normal stiffness of a bond; also its torsion");
     rows.flag("bond-hinged", bonds.law.isHinged, "bonds resist neither bending nor torsion");
+    rows.number("bond-strength", "STRAIN", bonds.law.breakingStrain, Range::positive,
+                "strain in tension at which bonds break, such as 0.0078: strength = STRAIN * "
+                "modulus");
+    rows.number("bond-shear-strength", "RATIO [0.51]", bonds.law.shearStrength, Range::positive,
+                "shear strength of bonds, divided by their tensile strength")
+        .needs = "bond-strength";
+    rows.count("bond-classes", "N [1]", bonds.classes, 0, kMostBondClasses,
+               "classes of bonds by stiffness, bond types of lammps-bonds: for bond_style "
+               "bpm/rotational; 0: a type for each bond, for bond_style harmonic. "
+               "bond-coeffs:FILE.lmp has their coefficients");
     rows.number("interface-tol", "T", bonds.interfaceTolerance, Range::notNegative,
                 "spheres of two parts are bonded up to a gap of this share of the smaller radius; "
                 "all others up to `contact-tol`")

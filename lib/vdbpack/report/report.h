@@ -1,6 +1,7 @@
 // The report of a run: the request, the result, and its verification.
 #pragma once
 
+#include "vdbpack/bonds/bonds.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/measure/contacts.h"
@@ -39,17 +40,6 @@ struct PartReport {
     std::optional<double> bvtv;      ///< if voids were cut
     double protrusion = 0;           ///< largest, of its own wall, in radii
     double density = 0;              ///< of its spheres, kg/m³; 0: none is given, or one by region
-};
-
-/// Where two parts meet.
-struct InterfaceReport {
-    std::array<std::string, 2> parts;  ///< their names
-    std::uint64_t pairs = 0;           ///< bonds across
-    double area = 0;                   ///< of their common wall, mm²
-    /// Bonds per mm² that a plane through each part cuts, on average over its directions.
-    std::array<double, 2> bulk{};
-
-    double perArea() const { return area > 0 ? static_cast<double>(pairs) / area : 0; }
 };
 
 /// All fields of the JSON report; lengths in mm, 2D: area for volume, circles for spheres.

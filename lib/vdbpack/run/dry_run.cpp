@@ -83,7 +83,13 @@ PackPlan planParts(const PackRecipe& recipe, Parts& parts, std::string& sizes) {
     SharedRadii radii(recipe, parts);
     for (const std::size_t k : radii.order()) {
         radii.prepare(parts[k].recipe, k);
-        const PackPlan one = planWithin(parts[k].recipe, *parts[k].source);
+        const PackPlan one = [&] {
+            try {
+                return planWithin(parts[k].recipe, *parts[k].source);
+            } catch (const InputError& error) {
+                throw withPart(parts[k], error);
+            }
+        }();
         radii.take(one.requested.sizes.scaled(one.scale), k);
         if (!all) {
             all = one;

@@ -54,6 +54,7 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     if (run.built.mesh) have.wall = &run.built.mesh->wall();
     if (const TriangleMesh* wall = joinedWall(run)) have.wall = wall;
     have.voidList = &run.voids.made.list;
+    if (!run.report.parts.empty()) have.interfaces = &run.report.interfaces;
     have.sliceHeight = run.built.sliceHeight;
     PackWriteOptions& write = have.options;
     write.bonds = bondOptionsOf(run.settings);

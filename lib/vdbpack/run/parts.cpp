@@ -151,6 +151,15 @@ void cutByLater(const std::vector<LabelPlace>& places, Parts& parts) {
 
 }  // namespace
 
+InputError withPart(const Part& part, const InputError& error) {
+    constexpr double kNothing = 1e-3;
+    const bool taken = part.source->left().volume < kNothing * part.source->left(false).volume;
+    return InputError(part.recipe.name + ": " +
+                      (taken ? "lies within parts that are listed after it, which have the space "
+                               "that they share; list it after them"
+                             : error.what()));
+}
+
 Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
     LabelledImages images(callbacks);
     std::vector<PackRecipe> recipes = recipesOf(recipe, images, callbacks);

@@ -73,6 +73,7 @@ RunResult runCarve(const CarveRecipe& asked, const Callbacks& callbacks) {
             "threshold, boolean or list:FILE)");
     auto inputs = voidInputs(recipe.voids);
     for (auto& file : inputFiles(recipe)) inputs.push_back(std::move(file));
+    refuseInterfaces(recipe);
     checkSettings(recipe, RunKind::pack, recipe.voids, inputs);
     recipe.voids = withThreads(recipe.threads,
                                [&] { return withSample(recipe.voids, recipe.domain, callbacks); });

@@ -54,6 +54,7 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
 }  // namespace
 
 RunResult runDensify(const DensifyRecipe& recipe, const Callbacks& callbacks) {
+    refuseInterfaces(recipe);
     checkSettings(recipe, RunKind::pack, {}, inputFiles(recipe));
     return runOnInputPack(recipe, "densify", {}, callbacks,
                           [&](auto& run) { return densifyInput(run, recipe); });

@@ -167,8 +167,8 @@ void checkRanks(const PackRecipe& recipe) {
     for (const OutputTarget& output : recipe.outputs) {
         const OutputKind kind = output.kind;
         if (kind == OutputKind::pack) checkShareFormat(output.text);
-        refuse(kind == OutputKind::contacts || kind == OutputKind::materials ||
-                   kind == OutputKind::labels || kind == OutputKind::blender,
+        refuse(output.listsPairs() || kind == OutputKind::materials || kind == OutputKind::labels ||
+                   kind == OutputKind::blender,
                output.text.c_str(), "write it from a file of the spheres");
     }
 }

@@ -55,6 +55,8 @@ PackedParts packInTurn(SharedRadii& radii, Parts& parts, const Report& begun, co
             if (k == radii.order().front()) throw;  // none is complete
             packed.interrupted = true;
             break;
+        } catch (const InputError& error) {
+            throw withPart(parts[k], error);
         }
         const Run<3>& run = *packed.runs[k];
         packed.clock = run.clock;

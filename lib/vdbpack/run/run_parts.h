@@ -19,6 +19,9 @@ using Parts = std::vector<Part>;
 /// domain. @throws as `runPack`
 Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks);
 
+/// The error of a part, with its name and, where later parts have (almost) all of its space, that.
+InputError withPart(const Part& part, const InputError& error);
+
 /// Makes the labels of a recipe with `PartsBy::center` one domain, and returns the parts that they
 /// are; none for other recipes. @throws as `partsOf`; ParameterError without several labels
 Parts partsByCenter(PackRecipe& recipe, const Callbacks& callbacks);

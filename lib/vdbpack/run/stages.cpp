@@ -53,6 +53,14 @@ void refuseBraces(const std::string& name) {
 
 }  // namespace
 
+void refuseInterfaces(const RunSettings& settings) {
+    for (const OutputTarget& output : settings.outputs)
+        if (output.kind == OutputKind::interfaces)
+            throw ParameterError(output.text +
+                                 ": interfaces are between the parts of a pack that is made; "
+                                 "leave it out, or set `partsFile` or `partsBy` of `pack`");
+}
+
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
                    const std::vector<std::string>& inputs) {
     auto all = inputs;
@@ -68,6 +76,7 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
     requireContactTolerance(settings.contactTolerance);
     checkPreview(settings.preview, settings.reportFile);
     checkFiles(settings.outputs, settings.reportFile, all, {settings.preview.file});
+    if (kind != RunKind::pack) refuseInterfaces(settings);
     if (kind == RunKind::pack) checkInterruptedFiles(settings.outputs, all);
 }
 

@@ -174,6 +174,8 @@ VoidSetting<Dim> voidSetting(const Run<Dim>& run, const Callbacks& callbacks) {
             run.voids.shell};
 }
 
+/// Refuses a list of interfaces, for runs without parts. @throws ParameterError
+void refuseInterfaces(const RunSettings& settings);
 /// Refuses before the work what would fail after it.
 /// @param inputs  files that no output may replace.
 /// @throws ParameterError, IoError

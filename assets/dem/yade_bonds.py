@@ -1,0 +1,79 @@
+"""Bonds of a file of vdb_pack in YADE 2023.02a to 2026.1, each with its own stiffness and strength.
+
+    import sys; sys.path.append("assets/dem")
+    from yade_bonds import bonded_material, bond_engines, load_bonds
+
+    O.materials.append(bonded_material(young=1e9, density=1800, frictionAngle=0.6))
+    O.bodies.append(ymport.textExt("pack.txt", "x_y_z_r"))
+    O.engines = bond_engines()
+    bonds = load_bonds("bonds.csv")
+
+The files are those of `vdb_pack pack ... --out-unit m -o yade:pack.txt -o bonds:bonds.csv`; with `--bond-strength`
+bonds break. Contacts that appear later have the stiffness of the material, and friction.
+"""
+
+import csv
+
+from yade import *
+from yade.utils import *
+
+
+def bonded_material(**properties):
+    """A material whose contacts may be bonded. properties: young, density, frictionAngle, poisson, ..."""
+    return CohFrictMat(
+        normalCohesion=1,  # until bonds get their own
+        shearCohesion=1,
+        momentRotationLaw=True,
+        isCohesive=True,
+        fragile=True,
+        **{"poisson": 0.3, **properties},
+    )
+
+
+def bond_engines(damping=0.3):
+    """Engines for bonds: forces, collisions, contacts, and motion with so much damping, without gravity."""
+    return [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb()]),
+        InteractionLoop(
+            [Ig2_Sphere_Sphere_ScGeom6D()],
+            [Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionNow=True, label="makesBonds")],
+            [Law2_ScGeom6D_CohFrictPhys_CohesionMoment(always_use_moment_law=False)],
+        ),
+        NewtonIntegrator(damping=damping, gravity=(0, 0, 0)),
+    ]
+
+
+def load_bonds(path, first=0, ids=None):
+    """Bonds bodies by the rows of `path`; engines of bond_engines() must be there.
+
+    first: body of the sphere whose id is 0. ids: instead, the body of each id (a dictionary).
+    Returns the pairs of bodies, in the order of the rows. Bonds carry no force at first, whatever the gap.
+    """
+    maker = next(p for e in O.engines if isinstance(e, InteractionLoop) for p in e.physDispatcher.functors
+                 if isinstance(p, Ip2_CohFrictMat_CohFrictMat_CohFrictPhys))
+    maker.setCohesionNow = True
+    made = []
+    with open(path, newline="") as file:
+        for row in csv.DictReader(file):
+            ends = [ids[int(row[e])] if ids else first + int(row[e]) for e in "ij"]
+            one = createInteraction(*ends)
+            phys = one.phys
+            phys.kn, phys.ks, phys.kr, phys.ktw = (float(row[k]) for k in ("k_n", "k_t", "k_bending", "k_torsion"))
+            phys.unp = one.geom.penetrationDepth
+            # YADE counts the way across a gap as less, by the sum of the radii divided by the distance.
+            phys.ks *= float(row["length"]) / (float(row["length"]) + one.geom.penetrationDepth)
+            # A strength of 0: the bond does not break.
+            phys.normalAdhesion, phys.shearAdhesion = (float(row[s]) or 1e300 for s in ("tensile", "shear"))
+            phys.fragile = phys.momentRotationLaw = True
+            if hasattr(phys, "rollingAdhesion"):  # later versions also break bonds by their moments
+                phys.rollingAdhesion = phys.twistingAdhesion = 1e300
+            made.append(tuple(ends))
+    maker.setCohesionNow = False  # contacts of later have friction only
+    return made
+
+
+def whole_bonds(pairs):
+    """Whether each of the bonds that load_bonds() returned is whole."""
+    ones = [O.interactions[i, j] if O.interactions.has(i, j) else None for i, j in pairs]
+    return [one is not None and one.isReal and not one.phys.cohesionBroken for one in ones]
