@@ -287,6 +287,9 @@ TEST_CASE("estimated memory is memory taken", "[.slow]") {
           "voids box:8,8,8 --voids foam --target-bvtv 0.1 --void-radius uniform:0.3,0.5 "
           "--void-voxel 0.05 --preview " +
               folder.file("p.png"),
+          "pack " + ball +
+              " --radius uniform:1,2 --voids boolean --target-bvtv 0.4 --void-radius constant:3 "
+              "--void-voxel 0.3 --measure-solid",
           std::string("voids box:5,5,5 --target-bvtv 0.2 --target-tbsp 0.8 --void-voxel 0.022")}) {
         CAPTURE(line);
         const auto [estimated, taken] = estimatedAndTaken(line, 200);

@@ -6,6 +6,8 @@
 
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/made_mesh.h"
 
 #include <cstdio>
 #include <iterator>
@@ -206,6 +208,23 @@ TEST_CASE("a run leaves the recipe that repeats it, of voids and carved packs to
     const std::string cut = hashOf(vdbPack(
         "carve \"" + out + "\" --domain ball:8 --voids list:" + list + " --json -o " + carved));
     CHECK(hashOf(vdbPack("carve --json --config " + folder.file("c.recipe.toml"))) == cut);
+}
+
+TEST_CASE("a repeated run that gives another pack says so") {
+    const TemporaryFolder folder;
+    const std::string bone = folder.file("b.stl"), again = "pack --json --config " +
+                                                           folder.file("p.recipe.toml");
+    const auto write = [&](double side) {
+        writeStl(boxMesh({{{0, 0, 0}}, {{side, 6, 6}}}), bone, Unit::millimeter, "test");
+    };
+    write(6);
+    const std::string hash =
+        hashOf(vdbPack("pack " + bone + " --radius constant:0.8 --json -o " + folder.file("p.csv")));
+    CHECK_THAT(vdbPack(again).text, !Contains("warning") && Contains(hash));
+    write(6.5);
+    CHECK_THAT(vdbPack(again + " --radius constant:0.9 -o " + folder.file("q.csv")).text,
+               !Contains("was repeated"));
+    CHECK_THAT(vdbPack(again).text, Contains(hash + ": the pack is another one"));
 }
 
 TEST_CASE("a recipe repeats a run whatever the names of its files") {

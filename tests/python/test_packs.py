@@ -359,6 +359,13 @@ def test_failed_checks_say_why():
     assert not checked.passed and "overlap" in checked.failures
 
 
+def test_recipe_repeats_a_run(tmp_path):
+    first = vdbpack.pack(vdbpack.ball(6), radius="uniform:0.5,1", seed=3, output=tmp_path / "p.csv")
+    again = vdbpack.pack(config=tmp_path / "p.recipe.toml")
+    assert again.hash == first.hash and (again.positions == first.positions).all()
+    assert vdbpack.pack(config=tmp_path / "p.recipe.toml", seed=4).hash != first.hash
+
+
 def test_parts_of_a_file(tmp_path):
     write_off(tmp_path / "a.off", cube(8))
     (tmp_path / "p.toml").write_text("[[part]]\nname = 'a'\ndomain = 'a.off'\n")

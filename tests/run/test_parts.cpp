@@ -47,7 +47,7 @@ TEST_CASE("a part within one that is listed later is told to come after it") {
     recipe.parts = {meshPart(folder.file("a.stl"), {{{3, 3, 3}}, {{6, 6, 6}}}, "screw"),
                     meshPart(folder.file("b.stl"), {{{0, 0, 0}}, {{10, 10, 10}}}, "bone")};
     recipe.outputs = {folder.file("p.csv")};
-    CHECK_THROWS_WITH(runPack(recipe), StartsWith("screw: ") && Contains("list it after them"));
+    CHECK_THROWS_WITH(runPack(recipe), Contains("screw: lies within") && Contains("list it after them"));
     std::swap(recipe.parts[0], recipe.parts[1]);
     CHECK(runPack(recipe).report.parts.size() == 2);
 }
@@ -391,6 +391,13 @@ TEST_CASE("a target count holds for all parts together, also where clips and par
     CHECK(share == Approx(2.4).epsilon(0.1));
     // A file holds the walls of all parts.
     CHECK(readMesh(folder.file("surface.stl")).bounds().hi[0] == Approx(31.5));
+
+    // Radii of a part's own are no part of it.
+    recipe.parts[2].radius = SizeRequest::parse("constant:0.7");
+    const RunResult beside = runPack(recipe);
+    const PartReport& sheet = beside.report.parts[2];
+    CHECK(sheet.requested == "constant:0.7");
+    CHECK(static_cast<double>(beside.report.count - sheet.count) == Approx(3000).epsilon(0.02));
 
     recipe.parts.resize(2);
     for (PackRecipe& part : recipe.parts) part.targetCount = 101;

@@ -10,7 +10,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/command_line.h"
-#include "vdbpack/options/recipe_toml.h"
 #include "vdbpack/options/usage_error.h"
 #include "vdbpack/report/library_versions.h"
 
@@ -41,16 +40,6 @@ void describe(CLI::App& app) {
         "Exit codes: 0 done, 1 a check failed, 2 usage, 3 unusable input, 4 reading or writing "
         "failed, 5 not enough memory or space, 130 interrupted.");
     app.formatter(std::make_shared<HelpPage>(columnsOf(1), hasColor(1)));
-    app.set_config(
-           "--config", "",
-           "read options of the command from a TOML file, under the same names; the command "
-           "line takes precedence. Each run writes such a file, NAME.recipe.toml, beside "
-           "its first output, to repeat the run")
-        ->option_text("FILE")
-        ->check(CLI::ExistingFile);
-    app.config_formatter(std::make_shared<RecipeFormat>(app, &fileIn));
-    app.allow_config_extras(CLI::config_extras_mode::error);
-    app.fallthrough();
 }
 
 /// Commands beside those that do the work.

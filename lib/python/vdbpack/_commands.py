@@ -121,7 +121,7 @@ def pack(
     options: those of `vdb_pack pack`, with underscores for dashes, lengths in mm: radius,
         target_count, densify, shell, voids, seed, output, ... True sets a flag. Lists and tuples repeat an
         option that may be repeated, and are numbers with commas between for others. preview=True draws
-        the picture without a file.
+        the picture without a file. config="NAME.recipe.toml" repeats a run, with its outputs.
 
     Raises ParameterError, InputError, FileError, ResourceError; KeyboardInterrupt.
     """

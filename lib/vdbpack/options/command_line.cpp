@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/options/recipe_file.h"
 #include "vdbpack/options/recipe_toml.h"
 #include "vdbpack/options/usage_error.h"
 #include "vdbpack/voids/trabecular_presets.h"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <type_traits>
 #include <utility>
 
@@ -159,6 +161,20 @@ bool addParts(VerifyRecipe& job) {
     return true;
 }
 
+/// The hash of the run that a command repeats by its recipe, as far as words show.
+std::optional<std::uint64_t> repeatedHash(const Command& command,
+                                          const std::vector<std::string>& words) {
+    static const std::set<std::string> kSame{"--config",   "--quiet",  "--json",   "--output",
+                                             "--out-unit", "--report", "--threads"};
+    const CLI::App* all = command.app->get_parent();
+    const CLI::Option* config = all ? all->get_config_ptr() : nullptr;
+    if (!config || config->count() == 0) return std::nullopt;
+    for (const std::string& word : words)
+        if (startsWith(word, "--") && kSame.count(word.substr(0, word.find('='))) == 0)
+            return std::nullopt;
+    return statedHash(config->as<std::string>());
+}
+
 void complete(const Command& command, const std::vector<std::string>& words) {
     requireRelated(command);
     std::visit(
@@ -176,6 +192,7 @@ void complete(const Command& command, const std::vector<std::string>& words) {
             const std::filesystem::path left = recipeFileFor(recipe.outputs);
             recipe.optionsText =
                 recipeText(*command.app, command.options, left.parent_path().string());
+            recipe.repeatedHash = repeatedHash(command, words);
             for (const auto& word : words)
                 recipe.command += (recipe.command.empty() ? "" : " ") + shellQuoted(word);
         },
@@ -254,6 +271,16 @@ void addCases(StudyJob& job, const Command& command, const std::vector<std::stri
 }  // namespace
 
 std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
+    app.set_config(
+           "--config", "",
+           "read options of the command from a TOML file, under the same names; the command "
+           "line takes precedence. Each run writes such a file, NAME.recipe.toml, beside "
+           "its first output, to repeat the run")
+        ->option_text("FILE")
+        ->check(CLI::ExistingFile);
+    app.config_formatter(std::make_shared<RecipeFormat>(app, &fileIn));
+    app.allow_config_extras(CLI::config_extras_mode::error);
+    app.fallthrough();
     std::vector<Command> commands;
     for (const CommandText& text : commandTexts())
         commands.push_back(commandIn(app, text, print, true));

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <climits>
+#include <cstdlib>
 #include <fstream>
 #include <utility>
 
@@ -17,6 +18,7 @@ namespace vdbpack {
 namespace {
 
 constexpr const char* kMark = "# Written by vdb_pack";
+constexpr const char* kHash = ", hash ";
 
 /// Whether there is a file that somebody else wrote.
 bool isForeign(const std::string& file) {
@@ -64,10 +66,18 @@ std::string recipeFileText(const std::string& toml, const std::string& file, con
             "# The run that left it was interrupted at {} {}: this gives all of them.\n",
             grouped(report.count), report.dim == 2 ? "circles" : "spheres");
     else if (report.count > 0 || report.task == "pack")
-        text += fmt::format("# and gave {} {}, hash {:016x}\n", grouped(report.count),
-                            report.dim == 2 ? "circles" : "spheres", report.hash);
+        text += fmt::format("# and gave {} {}{}{:016x}\n", grouped(report.count),
+                            report.dim == 2 ? "circles" : "spheres", kHash, report.hash);
     for (const auto& sentence : report.chosen) text += "# chosen: " + sentence + '\n';
     return text + withSeed(withValues(toml, report.found), report.seed);
+}
+
+std::optional<std::uint64_t> statedHash(const std::string& file) {
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line) && line.compare(0, 1, "#") == 0;)
+        if (const auto at = line.rfind(kHash); at != std::string::npos)
+            return std::strtoull(line.c_str() + at + std::string(kHash).size(), nullptr, 16);
+    return std::nullopt;
 }
 
 void leaveRecipe(const std::string& toml, const std::vector<OutputTarget>& outputs, Report& report,

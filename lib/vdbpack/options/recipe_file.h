@@ -5,6 +5,8 @@
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/report/report.h"
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,9 @@ namespace vdbpack {
 /// @param toml  options under [command]; {seed} stands for that of the report.
 /// @param file  what it is written as.
 std::string recipeFileText(const std::string& toml, const std::string& file, const Report& report);
+
+/// The hash that a file which `leaveRecipe` wrote states; nothing if there is none.
+std::optional<std::uint64_t> statedHash(const std::string& file);
 
 /// Writes the recipe beside the first output, adds it to `report.files` and keeps it in
 /// `report.recipe`. A file of that name that is no such recipe stays, with a warning, and names

@@ -51,6 +51,8 @@ struct RunSettings {
     /// TOML with the options that repeat the run ({seed} for the seed): written beside the first
     /// output as NAME.recipe.toml. Empty: none is written.
     std::string optionsText;
+    /// That the recipe states whose run is repeated; a run with another one warns.
+    std::optional<std::uint64_t> repeatedHash;
 };
 
 /// What a pack is made from.

@@ -36,8 +36,10 @@ struct Extent {
     FieldPlan field;          ///< without triangles: the domain is a shape
     VoidExtent voids;
     bool isBox = false;      ///< the domain, a box along the axes
+    double boxVolume = 0;    ///< of the bounds of the domain in space, mm³
     double shapeVoxel = 0;   ///< of the level set of a shape, if one is written; 0: a file
     double imageVoxels = 0;  ///< of the image in which a solid is measured
+    double solidVoxels = 0;  ///< of that for `measureSolid`
     double labelVoxels = 0;  ///< of the label maps that are written
 };
 

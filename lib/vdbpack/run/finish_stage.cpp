@@ -12,6 +12,8 @@
 #include "vdbpack/run/stages.h"
 #include "vdbpack/view/pack_view.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <exception>
 #include <utility>
@@ -133,6 +135,11 @@ void write(Run<Dim>& run) {
                                                        run.share.pieces.size() + 1},
                                         run.callbacks)
                        : writeOutputs(outputs, outputsOf(run), run.callbacks);
+    if (settings.repeatedHash && !report.interrupted && report.hash != *settings.repeatedHash)
+        run.callbacks.warn(fmt::format(
+            "hash {:016x}, where the recipe that was repeated states {:016x}: the pack is another "
+            "one. An input file, an option or the version differs",
+            report.hash, *settings.repeatedHash));
     if (!report.files.empty() && run.isFirst())
         leaveRecipe(settings.optionsText, outputs, report, run.callbacks);
 }

@@ -172,10 +172,12 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
         {"labels", kLabelVoxel * e.labelVoxels,
          fmt::format("a label map of about {:.2g} voxels", e.labelVoxels),
          "choose a larger `voxelSpacing`"},
-        {"image", kImageVoxel * e.imageVoxels,
-         fmt::format("an image of about {:.2g} voxels", e.imageVoxels),
-         e.voids.count > 0 ? "choose a larger `voids.voxelSize` or a larger `targetTbth`"
-                           : "choose a larger `voxelSize`"},
+        {"image", kImageVoxel * std::max(e.imageVoxels, e.solidVoxels),
+         fmt::format("an image of about {:.2g} voxels", std::max(e.imageVoxels, e.solidVoxels)),
+         e.solidVoxels > e.imageVoxels
+             ? "leave `measureSolid` out, or choose a larger `voids.voxelSize`"
+         : e.voids.count > 0 ? "choose a larger `voids.voxelSize` or a larger `targetTbth`"
+                             : "choose a larger `voxelSize`"},
     };
     return all;
 }

@@ -15,9 +15,12 @@ SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts
     if (!(target > 0)) return;
     double volume = 0, largest = 0;
     for (std::size_t k = 0; k < parts.size(); ++k) {
-        const PackRecipe& part = parts[k].recipe;
+        PackRecipe& part = parts[k].recipe;
+        const bool sameCount = part.targetCount == recipe.targetCount;
         shared_[k] = part.radius.spec() == recipe.radius.spec() &&
-                     part.weightBy == recipe.weightBy && part.targetCount == recipe.targetCount;
+                     part.weightBy == recipe.weightBy && sameCount;
+        // Radii of a part's own stay as they are: the count is for the others.
+        if (!shared_[k] && sameCount && !part.radius.empty()) part.targetCount = 0;
         if (!shared_[k]) continue;
         const double own = parts[k].source->left().volume;
         volume += own;
