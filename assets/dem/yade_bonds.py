@@ -36,7 +36,8 @@ def bond_engines(damping=0.3):
         ForceResetter(),
         InsertionSortCollider([Bo1_Sphere_Aabb()]),
         InteractionLoop(
-            [Ig2_Sphere_Sphere_ScGeom6D()],
+            # Else YADE counts ways across a gap as shorter, by the sum of the radii divided by the distance.
+            [Ig2_Sphere_Sphere_ScGeom6D(avoidGranularRatcheting=False)],
             [Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionNow=True, label="makesBonds")],
             [Law2_ScGeom6D_CohFrictPhys_CohesionMoment(always_use_moment_law=False)],
         ),
@@ -61,8 +62,6 @@ def load_bonds(path, first=0, ids=None):
             phys = one.phys
             phys.kn, phys.ks, phys.kr, phys.ktw = (float(row[k]) for k in ("k_n", "k_t", "k_bending", "k_torsion"))
             phys.unp = one.geom.penetrationDepth
-            # YADE counts the way across a gap as less, by the sum of the radii divided by the distance.
-            phys.ks *= float(row["length"]) / (float(row["length"]) + one.geom.penetrationDepth)
             # A strength of 0: the bond does not break.
             phys.normalAdhesion, phys.shearAdhesion = (float(row[s]) or 1e300 for s in ("tensile", "shear"))
             phys.fragile = phys.momentRotationLaw = True
