@@ -54,7 +54,7 @@ void VoidRows::addMethod() const {
               "component");
     rows.flag("measure-solid", voids.measureSolid,
               "measure what the voids leave deeper than the shell, as measure does: Tb.Th, Tb.Sp, "
-              "DA, Conn.D, in report and table; takes longer than the voids");
+              "DA, Conn.D, in report and table; takes more time and memory than all else (see dry-run)");
 }
 
 void VoidRows::addTargets() const {

@@ -71,7 +71,8 @@ ul { margin: .3rem 0; padding-left: 1.2rem; }
 std::string pictureFigure(const PagePicture& picture) {
     if (picture.png.empty() && picture.view.empty()) return {};
     std::string out = "<figure class='picture'>\n";
-    const std::string words = escaped(picture.words);
+    // What stands last in the words is for programs: the rows of the scene.
+    const std::string words = escaped(picture.words.substr(0, picture.words.rfind("; scene ")));
     if (!picture.png.empty())
         out +=
             fmt::format("<img src='data:image/png;base64,{}' width='{}' height='{}' alt='{}'/>\n",
