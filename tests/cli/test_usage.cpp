@@ -27,6 +27,8 @@ TEST_CASE("help fits the page and names every option once") {
     CHECK(text.find("\nSpheres\n") < text.find("\nVoids\n"));
     const auto first = text.find("--radius");
     CHECK(text.find("\n  --radius", first + 1) == std::string::npos);
+    CHECK(vdbPack("help pack").text == text);
+    CHECK(vdbPack("help").text == vdbPack("--help").text);
 }
 
 TEST_CASE("lines break between words, and a long word stands alone") {
@@ -53,7 +55,7 @@ TEST_CASE("misuse is reported with what was meant") {
         {"verify p.csv --effort fast", {"--effort", "verify", "pack"}},
         {"pack ball:3 --effort quick", {"--effort", "'quick'", "fast, normal, dense"}},
         {"pack ball:3 --report a.json --report b.json", {"--report", "2 times"}},
-        {"pack ball:3 rest", {"pack", "rest"}},
+        {"pack ball:3 rest", {"pack", "rest", "--parts FILE.toml"}},
         {"pack ball:3 --boundary p", {"--boundary", "periodic:LX,LY,LZ"}},
         {"pack ball:3 --material=bone", {"--material", "region", "--density"}},
         {"pack ball:3 --porosity 0.4", {"--densify F", "--target-bvtv F"}},
@@ -76,13 +78,18 @@ TEST_CASE("misuse is reported with what was meant") {
 TEST_CASE("a file that is not there is reported with the one that was meant") {
     const TemporaryFolder folder;
     putContent(folder.file("femur.ply"), "");
+    putContent(folder.file("p.toml"), "[[part]]\nname = 'leg'\ndomain = 'femr.ply'\n");
     for (const std::string words : {"pack @femr.ply", "pack @femur.stl", "pack @femur.nrrd",
-                                    "pack ball:9 --existing @femur.vdb"}) {
+                                    "pack --parts @femur.toml", "pack ball:9 --existing @femur.vdb",
+                                    "pack ball:9 --radius uniform:1,2 --size-field @femur.csv",
+                                    "pack --parts @p.toml", "pack ball:9 --config @femur.toml"}) {
         CAPTURE(words);
         const auto run = asked(wordsIn(words, folder.path()));
-        CHECK(run.code == 4);
+        CHECK(run.code == (words.find("--config") == std::string::npos ? 4 : 2));
         CHECK_THAT(run.text, Contains("did you mean " + folder.file("femur.ply")));
     }
+    CHECK_THAT(asked(wordsIn("pack --parts @p.toml", folder.path())).text,
+               Contains("p.toml: part 'leg': "));
     CHECK_THAT(asked(wordsIn("pack @tibia.obj", folder.path())).text, !Contains("mean"));
 }
 
@@ -95,7 +102,9 @@ TEST_CASE("verify says what has passed") {
     CHECK_THAT(vdbPack("verify " + file).text,
                Contains("passed: overlap") && Contains("protrusion is not checked"));
     CHECK_THAT(vdbPack("verify " + file + " --domain ball:4").text,
-               Contains("FAILED") && !Contains("passed"));
+               Contains("FAILED") && !Contains("passed") && !Contains("--pack-unit"));
+    CHECK_THAT(vdbPack("verify " + file + " --domain box:90,90,90,99,99,99").text,
+               Contains("--unit and --pack-unit") && Contains("--space"));
 }
 
 TEST_CASE("a recipe that cannot be read is reported by line and name") {

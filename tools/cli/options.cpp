@@ -8,6 +8,7 @@
 #include "cli/terminal.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/command_line.h"
 #include "vdbpack/options/recipe_toml.h"
@@ -47,7 +48,10 @@ void describe(CLI::App& app) {
            "line takes precedence. Each run writes such a file, NAME.recipe.toml, beside "
            "its first output, to repeat the run")
         ->option_text("FILE")
-        ->check(CLI::ExistingFile);
+        ->check([](const std::string& file) {
+            const bool missing = !CLI::ExistingPath(file).empty();
+            return CLI::ExistingFile(file) + (missing ? similarFile(file) : "");
+        });
     app.config_formatter(std::make_shared<RecipeFormat>(app, &fileIn));
     app.allow_config_extras(CLI::config_extras_mode::error);
     app.fallthrough();
@@ -85,7 +89,11 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     describe(app);
     std::vector<Command> commands = addCommands(app, options.print);
     Further further(app, options.print.quiet);
-    const std::vector<std::string> arguments(argv + 1, argv + argc);
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+    if (!arguments.empty() && arguments[0] == "help") {  // as other programs have it
+        arguments.erase(arguments.begin());
+        arguments.emplace_back("--help");
+    }
     const auto refuse = [&](const std::string& message) {
         fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2),
                    printable(withOptionNames(message)));
@@ -101,7 +109,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
             writeManPages(app, arguments[1]);
             return std::nullopt;
         }
-        app.parse(argc, argv);
+        app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
         if (further.completion->parsed()) {
             fmt::print("{}", completionScript(app, further.shell));
             exitCode = 0;

@@ -1,6 +1,7 @@
 #include "vdbpack/options/command_line.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/input_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/recipe_toml.h"
 #include "vdbpack/options/usage_error.h"
@@ -122,6 +123,9 @@ std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
             app.parse(std::vector<std::string>(words.arguments.rbegin(), words.arguments.rend()));
             requireRelated(command);
             part.voids = voidsOf(part.request);
+            if (part.domain.source.find(':') == std::string::npos) requireThere(part.domain.source);
+        } catch (const IoError& e) {
+            throw IoError(where + e.what());
         } catch (const CLI::ParseError& e) {  // options as the file writes them
             fail(where +
                  usageError(app, e, words.arguments, [](const std::string& n) { return n; }));
