@@ -141,7 +141,7 @@ void print(const Result& result, const PrintOptions& how) {
 int judged(const RunResult& run) {
     if (run.report.interrupted || interrupted) return kInterrupted;
     if (run.passed) return kDone;
-    if (isSpeaker) fmt::print(stderr, "{}", failures(run));
+    if (isSpeaker) fmt::print(stderr, "{}", printable(withOptionNames(failures(run))));
     return kCheckFailed;
 }
 
@@ -175,7 +175,7 @@ int study(const Job& job, const PrintOptions& how, const Callbacks& callbacks) {
     }
     if (result.interrupted) return kInterrupted;
     if (result.passed) return kDone;
-    fmt::print(stderr, "{}", result.failures);
+    fmt::print(stderr, "{}", printable(withOptionNames(result.failures)));
     return kCheckFailed;
 }
 

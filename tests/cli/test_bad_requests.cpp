@@ -28,10 +28,10 @@ void writeMeshes(const TemporaryFolder& folder) {
 
 TEST_CASE("radii that cannot be are refused") {
     check({{"pack ball:9 --radius constant:0", 2, "'constant:0'"},
-           {"pack ball:9 --radius constant:-1", 2, "'constant:-1'"},
+           {"pack ball:9 --radius constant:-1", 2, "'constant:-1' radius -1 positive"},
            {"pack ball:9 --radius constant:nan", 2, "'constant:nan' constant:R"},
            {"pack ball:9 --radius constant:inf", 2, "'constant:inf' constant:R"},
-           {"pack ball:9 --radius uniform:2,1", 2, "'uniform:2,1'"},
+           {"pack ball:9 --radius uniform:2,1", 2, "'uniform:2,1' smaller first"},
            {"pack ball:9 --radius normal:1,0.1,2,1", 2, "'normal:1,0.1,2,1'"},
            {"pack ball:9 --radius normal:1,-1,1,2", 2, "'normal:1,-1,1,2' deviation"},
            {"pack ball:9 --radius constant:1e300", 2, "1e+300 mm"},
@@ -95,9 +95,9 @@ TEST_CASE("lengths and shares that cannot be are refused") {
          {"pack ball:9 --density 0", 2, "--density '0' bulk:D"},
          {"pack ball:9 --slice z=50", 3, "z=50 -9 9"},
          {"pack ball:9 --slice z=nan", 2, "'z=nan' z=V"},
-         {"pack ball:9 --clip plane:1,0,0,-50", 3, "clip"},
+         {"pack ball:9 --clip plane:1,0,0,-50", 3, "--clip (-9, 9)"},
          {"pack @ball.obj --clip plane:1,0,0,-50", 3, "clip"},
-         {"pack @ball.obj --clip plane:1,0,0,-50 --dry-run", 3, "clip left"},
+         {"pack @ball.obj --clip plane:1,0,0,-50 --dry-run", 3, "--clip left mm;"},
          {"pack ball:9 --clip plane:0,0,0,1", 2, "clip plane:nx,ny,nz,d"},
          {"pack ball:9 --clip plane:nan,0,0,1", 2, "'plane:nan,0,0,1' plane:nx,ny,nz,d"},
          {"pack ball:nan", 2, "'ball:nan' ball:R"},
@@ -110,6 +110,21 @@ TEST_CASE("lengths and shares that cannot be are refused") {
          {"pack ball:9 --preview p.png --preview-size 99999x99999", 2,
           "--preview-size 99999x99999 16384"}},
         folder.path());
+}
+
+TEST_CASE("texts that are no numbers, and percents, are refused with what to write") {
+    const TemporaryFolder folder;
+    putContent(folder.file("p.csv"), "x;y;z;radius\n0,5;1;2;1\n");
+    putContent(folder.file("l.csv"), "x;y;z;a;b\n0,5;1;2;1;1\n");
+    putContent(folder.file("t.csv"), "radius;weight\n0,5;1\n");
+    const std::string voids = "voids ball:9 --voids boolean --void-radius constant:1 ";
+    check({{"verify @p.csv", 3, "@p.csv '0,5' point: 0.5"},
+           {"voids ball:9 --voids list:@l.csv", 3, "@l.csv '0,5' point: 0.5"},
+           {"pack ball:9 --radius table:@t.csv", 3, "@t.csv point"},
+           {"pack ball:9 --contact-tol 5%", 2, "--contact-tol '5%' 0.05"},
+           {voids + "--target-bvtv 30%", 2, "--target-bvtv '30%' 0.3"},
+           {voids + "--target-bvtv 30", 2, "--target-bvtv 30 0.3 %"}},
+          folder.path());
 }
 
 TEST_CASE("voids that cannot be are refused") {

@@ -169,4 +169,6 @@ TEST_CASE("what encloses nothing is not fit, not even with a repair") {
 TEST_CASE("mesh names the unit if the size is unlikely for a bone") {
     const Asked asked(ballMesh(0.1, 2));
     CHECK_THAT(asked.mesh("").text, Contains("--unit") && Contains("fit to be packed      yes"));
+    CHECK_THAT(asked.mesh("--unit cm").text, Contains("--unit"));  // 3.5 mm
+    CHECK_THAT(asked.mesh("--scale 10").text, !Contains("--unit"));
 }

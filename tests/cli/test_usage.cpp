@@ -29,6 +29,8 @@ TEST_CASE("help fits the page and names every option once") {
     CHECK(text.find("\nSpheres\n") < text.find("\nVoids\n"));
     const auto first = text.find("--radius");
     CHECK(text.find("\n  --radius", first + 1) == std::string::npos);
+    CHECK(vdbPack("help pack").text == text);
+    CHECK(vdbPack("help").text == vdbPack("--help").text);
 }
 
 TEST_CASE("lines break between words, and a long word stands alone") {
@@ -55,7 +57,7 @@ TEST_CASE("misuse is reported with what was meant") {
         {"verify p.csv --effort fast", {"--effort", "verify", "pack"}},
         {"pack ball:3 --effort quick", {"--effort", "'quick'", "fast, normal, dense"}},
         {"pack ball:3 --report a.json --report b.json", {"--report", "2 times"}},
-        {"pack ball:3 rest", {"pack", "rest"}},
+        {"pack ball:3 rest", {"pack", "rest", "--parts FILE.toml"}},
         {"pack ball:3 --boundary p", {"--boundary", "periodic:LX,LY,LZ"}},
         {"pack ball:3 --material=bone", {"--material", "region", "--density"}},
         {"pack ball:3 --porosity 0.4", {"--densify F", "--target-bvtv F"}},
@@ -78,13 +80,18 @@ TEST_CASE("misuse is reported with what was meant") {
 TEST_CASE("a file that is not there is reported with the one that was meant") {
     const TemporaryFolder folder;
     putContent(folder.file("femur.ply"), "");
+    putContent(folder.file("p.toml"), "[[part]]\nname = 'leg'\ndomain = 'femr.ply'\n");
     for (const std::string words : {"pack @femr.ply", "pack @femur.stl", "pack @femur.nrrd",
-                                    "pack ball:9 --existing @femur.vdb"}) {
+                                    "pack --parts @femur.toml", "pack ball:9 --existing @femur.vdb",
+                                    "pack ball:9 --radius uniform:1,2 --size-field @femur.csv",
+                                    "pack --parts @p.toml", "pack ball:9 --config @femur.toml"}) {
         CAPTURE(words);
         const auto run = asked(wordsIn(words, folder.path()));
-        CHECK(run.code == 4);
+        CHECK(run.code == (words.find("--config") == std::string::npos ? 4 : 2));
         CHECK_THAT(run.text, Contains("did you mean " + folder.file("femur.ply")));
     }
+    CHECK_THAT(asked(wordsIn("pack --parts @p.toml", folder.path())).text,
+               Contains("p.toml: part 'leg': "));
     CHECK_THAT(asked(wordsIn("pack @tibia.obj", folder.path())).text, !Contains("mean"));
 }
 
@@ -97,7 +104,9 @@ TEST_CASE("verify says what has passed") {
     CHECK_THAT(vdbPack("verify " + file).text,
                Contains("passed: overlap") && Contains("protrusion is not checked"));
     CHECK_THAT(vdbPack("verify " + file + " --domain ball:4").text,
-               Contains("FAILED") && !Contains("passed"));
+               Contains("FAILED") && !Contains("passed") && !Contains("--pack-unit"));
+    CHECK_THAT(vdbPack("verify " + file + " --domain box:90,90,90,99,99,99").text,
+               Contains("--unit and --pack-unit") && Contains("--space"));
 }
 
 TEST_CASE("a recipe that cannot be read is reported by line and name") {
@@ -212,14 +221,14 @@ TEST_CASE("a run leaves the recipe that repeats it, of voids and carved packs to
 
 TEST_CASE("a repeated run that gives another pack says so") {
     const TemporaryFolder folder;
-    const std::string bone = folder.file("b.stl"), again = "pack --json --config " +
-                                                           folder.file("p.recipe.toml");
+    const std::string bone = folder.file("b.stl"),
+                      again = "pack --json --config " + folder.file("p.recipe.toml");
     const auto write = [&](double side) {
         writeStl(boxMesh({{{0, 0, 0}}, {{side, 6, 6}}}), bone, Unit::millimeter, "test");
     };
     write(6);
-    const std::string hash =
-        hashOf(vdbPack("pack " + bone + " --radius constant:0.8 --json -o " + folder.file("p.csv")));
+    const std::string hash = hashOf(
+        vdbPack("pack " + bone + " --radius constant:0.8 --json -o " + folder.file("p.csv")));
     CHECK_THAT(vdbPack(again).text, !Contains("was repeated") && Contains(hash));
     write(6.5);
     CHECK_THAT(vdbPack(again + " --radius constant:0.9 -o " + folder.file("q.csv")).text,

@@ -143,6 +143,22 @@ TEST_CASE("a warning tells how much of thin parts a threshold loses") {
     CHECK_THAT(warnings[0], Contains("400 voxels") && Contains("-89 %"));
 }
 
+TEST_CASE("a grey image as mask causes a warning") {
+    const TemporaryFolder folder;
+    writeHalves(folder.file("halves.nrrd"));
+    const auto grey = Voxels<std::uint8_t>::of(
+        cubes(20), [](const Vec<3>& p) { return int(31 * p[0] + 17 * p[1] + 7 * p[2]) % 61; });
+    writeNrrd(folder.file("ct.nrrd"), grey, "uint8");
+    DomainRecipe domain;
+    domain.source = folder.file("halves.nrrd");
+    domain.mask = "22=" + folder.file("ct.nrrd");
+    std::string warnings;
+    Callbacks callbacks;
+    callbacks.warning = [&](const std::string& text) { warnings += text; };
+    readDomainImage(domain, callbacks);
+    CHECK_THAT(warnings, Contains("ct.nrrd: seems to be a grey image") && Contains("label 22"));
+}
+
 TEST_CASE("a mask keeps the voxels that lie in a label of another image, on its own grid") {
     const TemporaryFolder folder;
     writeHalves(folder.file("halves.nrrd"));

@@ -107,6 +107,14 @@ TEST_CASE("a repair counts the holes that it closed") {
     CHECK_THAT(warningsOf(repaired), Contains("2 holes") && !Contains("topology"));
 }
 
+TEST_CASE("a changed topology is given with where the surface was cut apart to count it") {
+    RepairedMesh repaired;
+    repaired.report.before.nonManifoldEdges = 2;
+    repaired.report.changes.emplace().before.components = 3;
+    CHECK_THAT(warningsOf(repaired),
+               Contains("cut apart at 2 non-manifold edges: closed components 3, then 0"));
+}
+
 TEST_CASE("a repair that closes a foramen reports the handle that is lost") {
     // A ring with a narrow opening, which large voxels do not resolve, and a ball that intersects.
     const auto mesh = merged(torusMesh(8, 7.8, 60, 40), ballMesh(4, 3, {{15, 0, 0}}));

@@ -74,7 +74,11 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     describe(app);
     std::vector<Command> commands = addCommands(app, options.print);
     Further further(app, options.print.quiet);
-    const std::vector<std::string> arguments(argv + 1, argv + argc);
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+    if (!arguments.empty() && arguments[0] == "help") {  // as other programs have it
+        arguments.erase(arguments.begin());
+        arguments.emplace_back("--help");
+    }
     const auto refuse = [&](const std::string& message) {
         fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2),
                    printable(withOptionNames(message)));
@@ -90,7 +94,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
             writeManPages(app, arguments[1]);
             return std::nullopt;
         }
-        app.parse(argc, argv);
+        app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
         if (further.completion->parsed()) {
             fmt::print("{}", completionScript(app, further.shell));
             exitCode = 0;

@@ -8,6 +8,7 @@
 #include "vdbpack/domain/volume_integrals.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -203,11 +204,15 @@ bool cutAlongAxes(const std::vector<HalfSpace<Dim>>& planes, Box<Dim>& box) {
 
 }  // namespace
 
-InputError nothingLeft() {
+template <int Dim>
+InputError nothingLeft(const Box<Dim>& whole) {
     return InputError(
-        "clip: nothing is left of the domain; check where the clips lie, and the side that planes "
-        "keep (n.x <= d)");
+        fmt::format("`clips`: nothing is left of the domain, which lies from ({:.6g}) to ({:.6g}) "
+                    "mm; check where the clips lie, and the side that planes "
+                    "keep (n.x <= d)",
+                    fmt::join(whole.lo.c, ", "), fmt::join(whole.hi.c, ", ")));
 }
+template InputError nothingLeft<3>(const Box<3>&);
 
 template <int Dim>
 std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Dim>> domain,
@@ -215,9 +220,10 @@ std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Di
                                                  std::shared_ptr<const Domain<Dim>> envelope) {
     std::vector<HalfSpace<Dim>> unit = unitNormals(planes);
     if (unit.empty()) return domain;
-    Box<Dim> box = domain->bounds();
+    const Box<Dim> whole = domain->bounds();
+    Box<Dim> box = whole;
     const bool axisAligned = cutAlongAxes(unit, box);
-    if (box.empty() || !(box.volume() > 0)) throw nothingLeft();
+    if (box.empty() || !(box.volume() > 0)) throw nothingLeft(whole);
     const auto* clipped = dynamic_cast<const ClippedDomain<Dim>*>(domain.get());
     const std::string kind = domain->facts().kind;
     // A box cut along its axes is a box: every figure stays exact.
@@ -235,7 +241,7 @@ std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Di
     else
         result = std::make_shared<ClippedDomain<Dim>>(std::move(domain), std::move(unit),
                                                       std::move(envelope));
-    if (!(result->volume() > 0)) throw nothingLeft();
+    if (!(result->volume() > 0)) throw nothingLeft(whole);
     return result;
 }
 

@@ -21,8 +21,9 @@ std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Di
                                                  const std::vector<HalfSpace<Dim>>& planes,
                                                  std::shared_ptr<const Domain<Dim>> envelope = {});
 
-/// The error of clips that leave nothing.
-InputError nothingLeft();
+/// The error of clips that leave nothing of a domain within `whole`.
+template <int Dim>
+InputError nothingLeft(const Box<Dim>& whole);
 
 /// The plane z = `height` of a 3D domain, as a domain of the plane (x, y).
 /// @throws InputError if the plane misses the domain, ParameterError if the height is not finite

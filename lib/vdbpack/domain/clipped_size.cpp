@@ -56,7 +56,7 @@ DomainSource::Left DomainSource::left(bool byParts) const {
     const std::size_t others = byParts ? outsides_.size() : 0;
     if (clips_.empty() && others == 0) return {fileVolume(), analysis_->health.area};
     const Box<3> box = narrowed(fileBounds_, clips_);
-    if (box.empty()) throw nothingLeft();
+    if (box.empty()) throw nothingLeft(fileBounds_);
     std::vector<MeshSides> sides;
     const auto add = [&](const DomainSource& source) {
         sides.emplace_back(*source.mesh_, source.analysis_->health.isWatertight());

@@ -4,7 +4,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/pose.h"
 #include "vdbpack/image/image_file.h"
-#include "vdbpack/io/suggest.h"
+#include "vdbpack/io/input_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,8 +13,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
 #include <type_traits>
 #include <utility>
 
@@ -57,9 +55,9 @@ std::vector<LabelCount> requiredLabels(const DomainRecipe& recipe, const Image& 
     if (const auto labels = labelsOf(image, asked)) {
         if (asked && callbacks.warning && !labelsOf(image))
             callbacks.warn(fmt::format(
-                "{}: seems to be a grey image, such as a CT, of which `label` {} takes the voxels "
-                "of exactly that value; set `threshold` to the lowest value of bone, or give the "
-                "label map",
+                "{}: seems to be a grey image, such as a CT, of which label {} has only the voxels "
+                "of exactly that value; give the label map, or set `threshold` to the lowest value "
+                "of bone",
                 recipe.source, recipe.label));
         return *labels;
     }
@@ -126,7 +124,7 @@ std::vector<std::uint8_t> maskOver(const ImageGrid& grid, const DomainRecipe& re
     requireGreyImage("`mask`", other.source);
     Image image = placedImage(other, callbacks, true);
     roundLabels(image, other.source, callbacks);
-    const LabelPart part = selectedPart(other, requiredLabels(other, image));
+    const LabelPart part = selectedPart(other, requiredLabels(other, image, callbacks));
     const ImageIndexer indexer(image.grid);
     const Vec<3> first = indexer.indexOf(grid.origin);
     std::vector<std::uint8_t> mask(grid.voxels());
@@ -190,12 +188,6 @@ Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
         throw ParameterError("`mask` is for label maps; leave it or `threshold` out");
     applyMask(image, recipe, callbacks);
     return image;
-}
-
-void requireThere(const std::string& file) {
-    std::error_code ignored;
-    if (file.find('*') == std::string::npos && !std::filesystem::exists(file, ignored))
-        throw IoError(file + ": there is no such file" + similarFile(file));
 }
 
 void requireGreyImage(const std::string& setting, const std::string& file) {

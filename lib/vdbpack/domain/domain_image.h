@@ -18,9 +18,6 @@ Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks);
 /// @param setting  for messages. @throws ParameterError, IoError
 void requireGreyImage(const std::string& setting, const std::string& file);
 
-/// Refuses, before the work, a file that is not there. @throws IoError
-void requireThere(const std::string& file);
-
 /// An image of one layer whose grey values are looked up, in the world of a domain.
 /// @throws as `readImage`; InputError for one of several layers
 Image readGreyImage(const std::string& file, const DomainRecipe& domain,

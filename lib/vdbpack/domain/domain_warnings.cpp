@@ -47,8 +47,9 @@ void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks
             recipe.source, extent, extent < 1 ? "small" : "large", kSmallestExtent, kLargestExtent,
             unitName(recipe.unit)));
     if (recipe.voxelSpacing) return;  // given on purpose, as for micro-CT
-    // A long bone of a large animal is a meter long.
-    if (extent < 2 || extent > 1200)
+    // A long bone of a large animal is a meter long; who sets m or cm has no sample of a few mm.
+    const bool large = recipe.unit == Unit::meter || recipe.unit == Unit::centimeter;
+    if (extent < (large ? 5 : 2) || extent > 1200)
         callbacks.warn(fmt::format(
             "{}: is {:.3g} mm across, which is unlikely for a bone; the file is read in {}: give "
             "`unit` m, cm, mm or um if that is wrong",

@@ -242,9 +242,9 @@ std::string PackBuilder::problem() const {
 
 void PackBuilder::failCell(const std::string& where, std::size_t column,
                            std::string_view value) const {
-    throw InputError(fmt::format("{}: {}: column '{}' is '{}'; a {} is needed there", file_, where,
-                                 names_[column].substr(0, 40), value.substr(0, 40),
-                                 isWhole(column) ? "whole number" : "number"));
+    throw InputError(fmt::format("{}: {}: column '{}' is '{}'; a {} is needed there{}", file_,
+                                 where, names_[column].substr(0, 40), value.substr(0, 40),
+                                 isWhole(column) ? "whole number" : "number", numberRemedy(value)));
 }
 
 void PackBuilder::failRow(const std::string& what) const {

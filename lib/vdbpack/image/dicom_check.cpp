@@ -158,7 +158,7 @@ private:
             check(e, at, depth);
             at = walkValue(e, at, end, implicit, depth);
         }
-        if (delimited) file_.failAtByte(at, "an item has no end; it is damaged or incomplete");
+        if (delimited) file_.failAtByte(at, std::string("an item has no end") + kDamaged);
         return at;
     }
 
@@ -195,7 +195,7 @@ private:
             else
                 at = walkElements(e.value, e.value + e.length, false, implicit, depth);
         }
-        if (!bounded) file_.failAtByte(at, "a sequence has no end; it is damaged or incomplete");
+        if (!bounded) file_.failAtByte(at, std::string("a sequence has no end") + kDamaged);
         return at;
     }
 
@@ -270,7 +270,7 @@ private:
         require(kSign, one(kSign, 0) <= 1);
         const std::uint64_t bytes = (rows * columns * samples * frames * allocated + 7) / 8;
         if (pixels_.tag != kPixels || (!packed_ && pixels_.length < bytes))
-            file_.fail("ends before its last pixel; it is damaged or incomplete");
+            file_.fail(std::string("ends before its last pixel") + kDamaged);
         if (packed_ != (pixels_.length == kUnknown))
             file_.fail("its pixels are not encoded as it says; it is damaged");
         if (packed_ && ofBits)

@@ -102,7 +102,7 @@ private:
 
 void checkPackedPixels(const InputFile& file, const std::string& syntax,
                        const std::vector<DicomFragment>& fragments, const DicomFrame& frame) {
-    if (fragments.size() < 2) file.fail("has no pixels; it is damaged or incomplete");
+    if (fragments.size() < 2) file.fail(std::string("has no pixels") + kDamaged);
     for (std::size_t i = 1; i < fragments.size(); ++i) {
         const FragmentCheck check(file, fragments[i], frame);
         // Others than runs may go on from one fragment to the next.

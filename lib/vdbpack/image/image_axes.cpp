@@ -1,6 +1,7 @@
 #include "vdbpack/image/image_axes.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/input_file.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
@@ -176,8 +177,8 @@ Image allocatedImage(const std::string& path, const ImageGrid& grid, std::size_t
     if (count > kMostCompression * static_cast<double>(fileBytes))
         throw InputError(
             fmt::format("{}: says that it has {} x {} x {} voxels, which a file of {} bytes cannot "
-                        "hold; it is damaged or incomplete",
-                        path, size[0], size[1], size[2], fileBytes));
+                        "hold{}",
+                        path, size[0], size[1], size[2], fileBytes, kDamaged));
     Image image;
     image.grid = grid;
     image.layers = layers;

@@ -8,7 +8,7 @@
 #include "vdbpack/image/mask_folder.h"
 #include "vdbpack/image/meta_image.h"
 #include "vdbpack/image/nifti.h"
-#include "vdbpack/io/suggest.h"
+#include "vdbpack/io/input_file.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
@@ -198,9 +198,7 @@ Image readImage(const std::string& path, const ImageReadOptions& options) {
         checkNumbers(files);
         return readTiffStack(files, options);
     }
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored))
-        throw IoError(path + ": there is no such file" + similarFile(path));
+    requireThere(path);
     const std::string extension = extensionOf(path);
     if (extension == ".mha" || extension == ".mhd") return readMetaImage(path, options);
     if (isNifti(path)) return readNifti(path, options);

@@ -171,8 +171,7 @@ Image readMetaImage(const std::string& path, const ImageReadOptions& options) {
         whole = inflateAll(file, offset, image.bytes.get(), bytes);
     else if (whole)
         file.readAt(offset, image.bytes.get(), bytes);
-    if (!whole)
-        throw InputError(file.path() + ": ends before its last voxel; it is damaged or incomplete");
+    if (!whole) throw InputError(file.path() + ": ends before its last voxel" + kDamaged);
     if (isTrue(header, "binarydatabyteordermsb") || isTrue(header, "elementbyteordermsb"))
         swapBytes(image.bytes.get(), bytes, bytesOf(image.type));
     image.isSpaced = spaced;

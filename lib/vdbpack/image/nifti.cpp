@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/image/header_checks.h"
 #include "vdbpack/image/image_axes.h"
+#include "vdbpack/io/input_file.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
@@ -83,8 +84,7 @@ void readVoxels(const nifti_image& nifti, const std::string& path, Image& image)
         const auto piece = static_cast<unsigned>(std::min(kGzipPiece, bytes - at));
         whole = gzread(voxels.get(), image.bytes.get() + at, piece) == static_cast<int>(piece);
     }
-    if (!whole)
-        throw InputError(path + ": ends before its last voxel; it is damaged or incomplete");
+    if (!whole) throw InputError(path + ": ends before its last voxel" + kDamaged);
     if (width > 1 && nifti.byteorder != nifti_short_order())
         nifti_swap_Nbytes(static_cast<std::int64_t>(image.values()), static_cast<int>(width),
                           image.bytes.get());

@@ -36,6 +36,11 @@ char lineEndOf(std::string_view beginning) {
 
 }  // namespace
 
+void requireThere(const std::string& path) {
+    if (path.find('*') == std::string::npos && ::access(path.c_str(), R_OK) != 0)
+        failReading(path, errno);
+}
+
 InputFile::InputFile(std::string path) : path_(std::move(path)) {
     requireFileName(path_);
     descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
@@ -78,7 +83,7 @@ void InputFile::readAt(std::uint64_t offset, void* target, std::size_t bytes) co
     const auto failEnd = [&] {
         throw InputError(path_ + ": ends at byte " + std::to_string(size_) + " where " +
                          std::to_string(bytes) + " bytes from byte " + std::to_string(offset) +
-                         " on were expected; the file is cut short or damaged");
+                         " on were expected" + kDamaged);
     };
     if (offset > size_ || bytes > size_ - offset) failEnd();
     if (inMemory_) {

@@ -9,6 +9,13 @@
 
 namespace vdbpack {
 
+/// What ends messages about a file that was cut short.
+inline constexpr const char* kDamaged = "; it is damaged or incomplete: copy or download it again";
+
+/// Refuses, before the work, a file that is not there or may not be read; names with * pass.
+/// @throws IoError
+void requireThere(const std::string& path);
+
 /// A file that is read, and whose size is known: pipes are read into memory when they are opened.
 ///
 /// Reading from front to end goes through one buffer of a few MB, which grows only if a single

@@ -38,8 +38,9 @@ std::size_t NumberTable::require(const std::vector<std::string>& names) const {
 double NumberTable::number(std::size_t column) const {
     double value = 0;
     if (!parseNumber(cells_[column], value) || !std::isfinite(value))
-        failRow(fmt::format("'{}' in column '{}' is not a finite number; correct or remove the row",
-                            cells_[column].substr(0, 60), text_.names()[column]));
+        failRow(fmt::format(
+            "'{}' in column '{}' is not a finite number{}; correct or remove the row",
+            cells_[column].substr(0, 60), text_.names()[column], numberRemedy(cells_[column])));
     return value;
 }
 

@@ -2,6 +2,8 @@
 
 #include "vdbpack/io/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -91,6 +93,16 @@ bool parseNumber(std::string_view text, std::int64_t& value) {
     }
     double real = 0;
     return parseNumber(text, real) && wholeNumber(real, value);
+}
+
+std::string numberRemedy(std::string_view text) {
+    const bool percent = endsWith(text, "%");
+    std::string pointed(text.substr(0, text.size() - percent));
+    std::replace(pointed.begin(), pointed.end(), ',', '.');
+    double value = 0;
+    if (pointed == text || !parseNumber(pointed, value)) return {};
+    return percent ? fmt::format("; write {:g} % as {:g}", value, value / 100)
+                   : "; decimals have a point: " + pointed;
 }
 
 std::optional<std::vector<double>> parseNumberList(std::string_view text) {

@@ -30,6 +30,10 @@ bool parseReal(std::string_view word, double& value);
 /// The same for whole numbers without point and exponent, within range.
 bool parseInteger(std::string_view word, std::int64_t& value);
 
+/// What to do about a text that is no number: "; decimals have a point: 1.5" for 1,5, "; write 30 %
+/// as 0.3" for 30%. Empty: nothing is known.
+std::string numberRemedy(std::string_view text);
+
 /// The finite numbers of a list such as "1,2.5,3"; nothing if it is none.
 std::optional<std::vector<double>> parseNumberList(std::string_view text);
 

@@ -1,6 +1,8 @@
 #include "vdbpack/options/command_line.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/input_file.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/recipe_file.h"
 #include "vdbpack/options/recipe_toml.h"
@@ -124,6 +126,9 @@ std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
             app.parse(std::vector<std::string>(words.arguments.rbegin(), words.arguments.rend()));
             requireRelated(command);
             part.voids = voidsOf(part.request);
+            if (part.domain.source.find(':') == std::string::npos) requireThere(part.domain.source);
+        } catch (const IoError& e) {
+            throw IoError(where + e.what());
         } catch (const CLI::ParseError& e) {  // options as the file writes them
             fail(where +
                  usageError(app, e, words.arguments, [](const std::string& n) { return n; }));
@@ -277,7 +282,10 @@ std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
            "line takes precedence. Each run writes such a file, NAME.recipe.toml, beside "
            "its first output, to repeat the run")
         ->option_text("FILE")
-        ->check(CLI::ExistingFile);
+        ->check([](const std::string& file) {
+            const bool missing = !CLI::ExistingPath(file).empty();
+            return CLI::ExistingFile(file) + (missing ? similarFile(file) : "");
+        });
     app.config_formatter(std::make_shared<RecipeFormat>(app, &fileIn));
     app.allow_config_extras(CLI::config_extras_mode::error);
     app.fallthrough();

@@ -100,13 +100,9 @@ Option& OptionList::threshold(const char* name, std::optional<Threshold>& field,
 
 double OptionList::numberIn(const std::string& name, const std::string& text, Range range) {
     double value = 0;
-    if (!parseReal(text, value)) {
-        std::string pointed = text;
-        std::replace(pointed.begin(), pointed.end(), ',', '.');
-        const bool comma = pointed != text && parseNumber(pointed, value);
-        throw ParameterError(fmt::format("`{}`: '{}' is not a number{}", name, text,
-                                         comma ? "; decimals have a point: " + pointed : ""));
-    }
+    if (!parseReal(text, value))
+        throw ParameterError(
+            fmt::format("`{}`: '{}' is not a number{}", name, text, numberRemedy(text)));
     const bool fits = range == Range::any || (range == Range::positive ? value > 0 : value >= 0);
     if (!(fits && std::isfinite(value)))
         throw ParameterError(fmt::format("`{}`: '{}' must be a {}", name, text,

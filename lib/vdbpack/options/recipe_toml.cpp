@@ -1,6 +1,7 @@
 #include "vdbpack/options/recipe_toml.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/input_file.h"
 #include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/recipe_paths.h"
@@ -12,7 +13,6 @@
 #include <cctype>
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string_view>
@@ -282,7 +282,7 @@ PartWords partOf(const toml::table& table, const std::string& file, FileLookup f
 }  // namespace
 
 std::vector<PartWords> readPartsFile(const std::string& file, FileLookup fileIn) {
-    if (!std::ifstream(file)) throw IoError(file + ": cannot be opened for reading");
+    requireThere(file);
     std::vector<PartWords> parts;
     try {
         const toml::table all = toml::parse_file(file);

@@ -113,8 +113,11 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
                 return unknownOption(app, *command, name, style);
         }
         const auto colon = message.find(": ");
-        return fmt::format("{} does not take the argument {}", command->get_name(),
-                           colon == std::string::npos ? message : message.substr(colon + 2));
+        return fmt::format("{} does not take the argument {}{}", command->get_name(),
+                           colon == std::string::npos ? message : message.substr(colon + 2),
+                           command->get_name() == "pack"
+                               ? "; several domains are parts: `parts` FILE.toml lists them"
+                               : "");
     }
     const auto subject = [&](std::size_t end) { return restyled(message.substr(0, end), style); };
     // report: "At Most 1 required but received 2"; later "At most"

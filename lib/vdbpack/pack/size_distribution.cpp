@@ -33,9 +33,11 @@ std::vector<double> parseNumbers(const std::string& spec, std::string_view text,
 
 void requireRange(const std::string& spec, double lo, double hi) {
     if (!(lo > 0) || !(hi >= lo))
-        throw ParameterError(
-            fmt::format("radius distribution '{}': bounds {} and {} must be positive and in order",
-                        spec, lo, hi));
+        throw ParameterError(fmt::format(
+            "radius distribution '{}': {}", spec,
+            lo == hi
+                ? fmt::format("the radius {} must be positive", lo)
+                : fmt::format("bounds {} and {} must be positive, the smaller one first", lo, hi)));
     // Beyond these, absolute tolerances of the kernel are no longer small against the radii.
     if (lo < 1e-7 || hi > 1e5)
         throw ParameterError(fmt::format(

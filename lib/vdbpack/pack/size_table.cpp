@@ -152,8 +152,9 @@ std::vector<std::pair<double, double>> readSizeTable(const std::string& path, Si
             continue;
         }
         if (!good)
-            text.file().failAtLine(
-                fmt::format("'{}' is not two numbers; expected columns {}", shown, expected));
+            text.file().failAtLine(fmt::format(
+                "'{}' is not two numbers; expected columns {}; decimals have a point, such as 0.5",
+                shown, expected));
         if (columns.empty())
             columns = {{isSieve ? Quantity::diameter : Quantity::radius},
                        {isSieve ? Quantity::finer : Quantity::weight}};

@@ -90,8 +90,8 @@ std::string holesWarning(const RepairReport& r) {
     if (!r.before.leak) return {};
     const BoundaryLoop& largest = r.before.leak->largest;
     return fmt::format(
-        "the repair closed {}, the largest {:.4g} mm around at {}. Check that no opening of the "
-        "bone is among them",
+        "the repair closed {} (loops of boundary edges), the largest {:.4g} mm around at {}. Check "
+        "that no opening of the bone is among them",
         counted(r.before.leak->loops, "hole{}"), largest.length, text(largest.center));
 }
 
@@ -135,7 +135,7 @@ struct TopologyNumber {
     std::int64_t SurfaceTopology::*number;
 };
 constexpr TopologyNumber kTopology[]{
-    {"components", "components", &SurfaceTopology::components},
+    {"components", "closed components", &SurfaceTopology::components},
     {"cavities", "cavities", &SurfaceTopology::cavities},
     {"handles", "handles", &SurfaceTopology::handles},
     {"holes", "holes", &SurfaceTopology::holes},
@@ -161,10 +161,14 @@ std::vector<Fact> changeFacts(const RepairReport& r) {
             fmt::format("{}{} {}, then {}", differences.empty() ? "" : "; ", n.name, before, after);
         warn = warn || &n < kTopology + 3;
     }
-    facts.back().line = differences;
+    if (differences.empty()) return facts;
+    const std::size_t cuts = r.before.nonManifoldEdges;
+    differences = textIf(cuts > 0, ", cut apart at {}", counted(cuts, "non-manifold edge{}")) +
+                  ": " + differences;
+    facts.back().line = "topology of the surface" + differences;
     if (warn)
         facts.back().warning =
-            "the repair changed the topology of the surface: " + differences +
+            "the repair changed the topology of the surface" + differences +
             textIf(r.method == Method::resurfaced,
                    "; set a `repairVoxel` smaller than {:.3g} mm to keep more", r.voxelSize);
     return facts;

@@ -6,6 +6,7 @@
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/sphere_density.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/voids/local_values.h"
 
@@ -122,17 +123,18 @@ namespace {
 void checkPreviewColumn(const PackRecipe& recipe, const std::vector<std::string>& columns) {
     const std::string& name = recipe.preview.column;
     if (recipe.preview.color != PreviewColor::column) return;
-    const auto& samples = recipe.grey.samples;
-    const bool known =
-        std::find(columns.begin(), columns.end(), name) != columns.end() ||
-        std::any_of(samples.begin(), samples.end(),
-                    [&](const auto& text) { return text.rfind(name + '=', 0) == 0; }) ||
-        (!recipe.grey.calibration.empty() && (name == kDensityColumn || name == kClassColumn)) ||
-        (!recipe.grey.modulus.empty() && name == kModulusColumn);
-    if (!known)
-        throw ParameterError("`preview.color` " + name +
-                             ": is none; color by radius, region, depth, order, part or a column "
-                             "of `samples`");
+    std::vector<std::string> words = columns;
+    for (const std::string& text : recipe.grey.samples)
+        words.push_back(text.substr(0, text.find('=')));
+    if (!recipe.grey.calibration.empty()) words.insert(words.end(), {kDensityColumn, kClassColumn});
+    if (!recipe.grey.modulus.empty()) words.push_back(kModulusColumn);
+    if (std::find(words.begin(), words.end(), name) != words.end()) return;
+    words.insert(words.end(), {"radius", "region", "depth", "order", "part"});
+    throw ParameterError(
+        "`preview.color` " + name +
+        ": is no column of the spheres; color by radius, region, depth, order, part or a column "
+        "of `samples`" +
+        similarWord(name, words));
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ template <int Dim>
 void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& result,
                  const Callbacks& callbacks) {
     requireDomain(recipe);
+    for (const OutputTarget& output : recipe.outputs) refuseBraces(output.text);
     checkOutputKinds(recipe.outputs, RunKind::convert, {}, Dim);
     checkWithoutDomain(recipe, callbacks);
     RunOutputs<Dim> have;
@@ -137,12 +138,14 @@ public:
         if (first.mesh() && !first.levelSet())
             for (const GivenSolid& solid : solids_)
                 result.count += solid.source().mesh()->triangles.size();
-        for (const OutputTarget& output : recipe.outputs)
+        for (const OutputTarget& output : recipe.outputs) {
+            refuseBraces(nameFor(output.text, ""));
             if (solids_.size() > 1 && !isForEach(output.text) && output.kind != OutputKind::contour)
                 throw ParameterError(fmt::format(
                     "{}: holds one solid, and `label` {} names {} of them; write {{part}} into its "
                     "name for a file each, or join the labels by +",
                     output.text, recipe.domain.label, solids_.size()));
+        }
     }
 
     void write() {

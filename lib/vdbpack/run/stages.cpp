@@ -35,7 +35,8 @@ namespace {
 /// BV/TV of a solid that is taken for none.
 constexpr double kLeastBvtv = 1e-6;
 
-/// Refuses a word in braces that nothing has replaced.
+}  // namespace
+
 void refuseBraces(const std::string& name) {
     for (std::size_t open = name.find('{'); open != std::string::npos;
          open = name.find('{', open + 1)) {
@@ -50,8 +51,6 @@ void refuseBraces(const std::string& name) {
                                 "replaced in a study"));
     }
 }
-
-}  // namespace
 
 void refuseInterfaces(const RunSettings& settings) {
     for (const OutputTarget& output : settings.outputs)

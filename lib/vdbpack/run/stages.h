@@ -174,6 +174,9 @@ VoidSetting<Dim> voidSetting(const Run<Dim>& run, const Callbacks& callbacks) {
             run.voids.shell};
 }
 
+/// Refuses a name with a word in braces that nothing has replaced. @throws ParameterError
+void refuseBraces(const std::string& name);
+
 /// Refuses a list of interfaces, for runs without parts. @throws ParameterError
 void refuseInterfaces(const RunSettings& settings);
 /// Refuses before the work what would fail after it.

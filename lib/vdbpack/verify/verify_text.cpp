@@ -106,6 +106,10 @@ std::string describe(const ProtrusionCheck& check, const Pack<Dim>& pack) {
     if (!check.closed)
         text +=
             "  the wall is not closed: inside or outside is decided by the majority of six lines\n";
+    if (2 * check.centersOutside > pack.spheres.size())
+        text +=
+            "  most centers lie outside: check `unit` and `packUnit`, and the axes (`space`) of "
+            "the domain\n";
     for (const auto& w : check.worst)
         text += fmt::format("  {:.3g}: {}{}\n", w.protrusion, labelOf(pack, w.i),
                             w.protrusion > 1 ? ", center outside" : "");

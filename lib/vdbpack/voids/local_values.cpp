@@ -4,13 +4,13 @@
 #include "vdbpack/domain/domain_image.h"
 #include "vdbpack/image/ball_means.h"
 #include "vdbpack/image/image_file.h"
+#include "vdbpack/io/input_file.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <utility>
 
 namespace vdbpack {
@@ -72,8 +72,7 @@ void checkFactorField(const std::string& file) {
         throw ParameterError("`sizeField`: " + file +
                              " is no field by its name; give a .vdb, a .csv or an image (.nii, "
                              ".nii.gz, .nrrd, .mha or a folder of DICOM)");
-    if (namesScalarField(file) && !std::ifstream(file))
-        throw IoError("`sizeField`: " + file + ": cannot be opened for reading");
+    requireThere(file);
 }
 
 std::shared_ptr<const ScalarField> readFactors(const std::string& file,

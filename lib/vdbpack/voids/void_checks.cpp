@@ -1,8 +1,8 @@
 #include "vdbpack/voids/void_checks.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/domain_image.h"
 #include "vdbpack/image/image_file.h"
+#include "vdbpack/io/input_file.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/scalar_field.h"
 

@@ -21,8 +21,11 @@ void require(const char* name, const Value& value, bool good, const std::string&
 
 /// From 0 to 1, with or without these.
 void requireShare(const char* name, const Value& v, bool zero, bool one) {
-    require(name, v, v && (zero ? *v >= 0 : *v > 0) && (one ? *v <= 1 : *v < 1),
-            fmt::format("lie in {}0, 1{}", zero ? '[' : '(', one ? ']' : ')'));
+    require(
+        name, v, v && (zero ? *v >= 0 : *v > 0) && (one ? *v <= 1 : *v < 1),
+        fmt::format(
+            "lie in {}0, 1{}{}", zero ? '[' : '(', one ? ']' : ')',
+            v && *v > 1 && *v <= 100 ? fmt::format("; write {:g} for {:g} %", *v / 100, *v) : ""));
 }
 
 void requireLength(const char* name, const Value& v) {
