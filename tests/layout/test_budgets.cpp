@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 90812},
+    {"lib", 90811},
     {"lib/python", 2024},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
@@ -36,15 +36,15 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 694},
     {"lib/vdbpack/measure", 5535},
     {"lib/vdbpack/voids", 7996},
-    {"lib/vdbpack/formats", 9917},
+    {"lib/vdbpack/formats", 9915},
     {"lib/vdbpack/report", 3864},
     {"lib/vdbpack/preview", 3347},
     {"lib/vdbpack/view", 1568},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3402},
+    {"lib/vdbpack/options", 3403},
     {"lib/vdbpack/run", 6330},
     {"tools", 3804},
-    {"tests", 33937},
+    {"tests", 33938},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -66,6 +66,18 @@ TEST_CASE("an interface has its area and its bonds beside those of the parts") {
     CHECK_THROWS_WITH(runPack(recipe), Contains("partsFile"));
 }
 
+TEST_CASE("a part within one that is listed later has to come after it") {
+    const TemporaryFolder folder;
+    PackRecipe recipe;
+    recipe.parts = {boxPart(folder.file("a.stl"), {{{3, 3, 3}}, {{6, 6, 6}}}, "screw"),
+                    boxPart(folder.file("b.stl"), {{{0, 0, 0}}, {{10, 10, 10}}}, "bone")};
+    recipe.outputs = {folder.file("p.csv")};
+    CHECK_THROWS_WITH(runPack(recipe),
+                      Contains("screw: lies within") && Contains("list it after them"));
+    std::swap(recipe.parts[0], recipe.parts[1]);
+    CHECK(runPack(recipe).report.parts.size() == 2);
+}
+
 TEST_CASE("a part that was moved away from all others is named") {
     const TemporaryFolder folder;
     PackRecipe recipe = boxAndPeg(folder);

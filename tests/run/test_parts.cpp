@@ -41,17 +41,6 @@ PackRecipe meshPart(const std::string& file, const Box<3>& box, const char* name
 
 }  // namespace
 
-TEST_CASE("a part within one that is listed later is told to come after it") {
-    const TemporaryFolder folder;
-    PackRecipe recipe;
-    recipe.parts = {meshPart(folder.file("a.stl"), {{{3, 3, 3}}, {{6, 6, 6}}}, "screw"),
-                    meshPart(folder.file("b.stl"), {{{0, 0, 0}}, {{10, 10, 10}}}, "bone")};
-    recipe.outputs = {folder.file("p.csv")};
-    CHECK_THROWS_WITH(runPack(recipe), Contains("screw: lies within") && Contains("list it after them"));
-    std::swap(recipe.parts[0], recipe.parts[1]);
-    CHECK(runPack(recipe).report.parts.size() == 2);
-}
-
 TEST_CASE("labels of an image are packed as parts that no sphere crosses") {
     const TemporaryFolder folder;
     const std::string file = folder.file("halves.nrrd");

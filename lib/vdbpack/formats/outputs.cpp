@@ -280,11 +280,12 @@ void checkOutputKinds(const std::vector<OutputTarget>& outputs, RunKind run,
 namespace {
 
 template <int Dim>
-void writePairs(const OutputTarget& target, const Pack<Dim>& pack,
+void writeTable(const OutputTarget& target, const Pack<Dim>& pack,
                 const PackWriteOptions& options) {
+    if (target.kind == OutputKind::materials) return writeMaterials(pack, target.file, options);
     if (target.kind == OutputKind::contacts)
-        writeContacts(pack, bondedPairs(pack, options.bonds), target.file, options.unit);
-    else if constexpr (Dim == 3) {
+        return writeContacts(pack, bondedPairs(pack, options.bonds), target.file, options.unit);
+    if constexpr (Dim == 3) {
         const auto bonds = bondsIn(pack, options.bonds);
         if (target.kind == OutputKind::bonds)
             writeBonds(pack, bonds, target.file, options.unit);
@@ -311,16 +312,13 @@ std::vector<std::string> writeOutput(const OutputTarget& target, const RunOutput
         case OutputKind::contacts:
         case OutputKind::bonds:
         case OutputKind::bondCoefficients:
+        case OutputKind::materials:
             need(have.pack != nullptr, "pack");
-            writePairs(target, *have.pack, have.options);
+            writeTable(target, *have.pack, have.options);
             break;
         case OutputKind::interfaces:
             need(have.interfaces != nullptr, "interfaces");
             writeInterfaces(*have.interfaces, target.file, have.options.unit);
-            break;
-        case OutputKind::materials:
-            need(have.pack != nullptr, "pack");
-            writeMaterials(*have.pack, target.file, have.options);
             break;
         case OutputKind::labels:
             if constexpr (Dim == 3)

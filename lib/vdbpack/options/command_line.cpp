@@ -169,13 +169,14 @@ bool addParts(VerifyRecipe& job) {
 /// The hash of the run that a command repeats by its recipe, as far as words show.
 std::optional<std::uint64_t> repeatedHash(const Command& command,
                                           const std::vector<std::string>& words) {
-    static const std::set<std::string> kSame{"--config",   "--quiet",  "--json",   "--output",
-                                             "--out-unit", "--report", "--threads"};
+    static const std::set<std::string> kSame{"config",   "quiet",  "json",   "output",
+                                             "out-unit", "report", "threads"};
     const CLI::App* all = command.app->get_parent();
     const CLI::Option* config = all ? all->get_config_ptr() : nullptr;
     if (!config || config->count() == 0) return std::nullopt;
     for (const std::string& word : words)
-        if (startsWith(word, "--") && kSame.count(word.substr(0, word.find('='))) == 0)
+        if (startsWith(word, optionName("")) &&
+            kSame.count(word.substr(2, word.find('=') - 2)) == 0)
             return std::nullopt;
     return statedHash(config->as<std::string>());
 }
@@ -277,7 +278,7 @@ void addCases(StudyJob& job, const Command& command, const std::vector<std::stri
 
 std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
     app.set_config(
-           "--config", "",
+           optionName("config"), "",
            "read options of the command from a TOML file, under the same names; the command "
            "line takes precedence. Each run writes such a file, NAME.recipe.toml, beside "
            "its first output, to repeat the run")
