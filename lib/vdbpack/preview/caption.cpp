@@ -82,12 +82,14 @@ int dotOf(double width, double height) {
 
 }  // namespace
 
+SideNames sideNames(const PreviewOptions& options) {
+    return !options.ofPatient                 ? SideNames{{{"x", "-x"}, {"y", "-y"}, {"z", "-z"}}}
+           : options.space == ImageSpace::lps ? SideNames{{{"L", "R"}, {"P", "A"}, {"S", "I"}}}
+                                              : SideNames{{{"R", "L"}, {"A", "P"}, {"S", "I"}}};
+}
+
 std::vector<Side> seenSides(const PreviewCamera& camera, int axes, const PreviewOptions& options) {
-    using Names = std::array<std::array<const char*, 2>, 3>;  // of the higher and the lower end
-    const Names names = !options.ofPatient ? Names{{{"x", "-x"}, {"y", "-y"}, {"z", "-z"}}}
-                        : options.space == ImageSpace::lps
-                            ? Names{{{"L", "R"}, {"P", "A"}, {"S", "I"}}}
-                            : Names{{{"R", "L"}, {"A", "P"}, {"S", "I"}}};
+    const SideNames names = sideNames(options);
     std::vector<Side> sides;
     for (int k = 0; k < axes; ++k)
         for (const std::size_t end : {0u, 1u}) {

@@ -49,6 +49,10 @@ struct PreviewOptions {
     std::function<bool()> cancelled;
 };
 
+/// Names of the higher and the lower end of each axis.
+using SideNames = std::array<std::array<const char*, 2>, 3>;
+SideNames sideNames(const PreviewOptions& options);
+
 /// A scene in space, in mm. Nothing is copied: all members must outlive the drawing.
 struct SpacePreview {
     const Pack<3>* pack = nullptr;       ///< null: no spheres

@@ -14,6 +14,12 @@
 
 namespace vdbpack {
 
+PreviewOptions inWorldOf(const DomainSource& source, PreviewOptions options) {
+    options.space = source.recipe().space;
+    options.ofPatient = source.isSided();
+    return options;
+}
+
 namespace {
 
 constexpr int kPageWidth = 960;  // or the height, of what is higher than wide
@@ -42,13 +48,6 @@ Picture draw(const PreviewOptions& options, const DomainSource&, const DomainSou
     scene.field = &field;
     scene.bounds = built.plane->bounds();
     return renderPreview(scene, options);
-}
-
-/// The options with the axes of the world of a domain.
-PreviewOptions inWorldOf(const DomainSource& source, PreviewOptions options) {
-    options.space = source.recipe().space;
-    options.ofPatient = source.isSided();
-    return options;
 }
 
 /// Encodes a picture, and writes it if it has a file.

@@ -20,6 +20,9 @@ void checkPreview(const PreviewOptions& recipe, const std::string& reportFile);
 template <int Dim>
 void checkPreview(const PreviewOptions& recipe, const Domain<Dim>& domain, const Pack<Dim>* pack);
 
+/// The options with the axes of the world of a domain.
+PreviewOptions inWorldOf(const DomainSource& source, PreviewOptions options);
+
 /// Draws the result of a run, if `recipe` names a file, which is then written, or if the report is
 /// a page (without a file, the picture is smaller). Without Embree, a page has no picture of
 /// spheres.

@@ -1,6 +1,7 @@
 #include "vdbpack/view/pack_view.h"
 
 #include "vdbpack/preview/drawn_wall.h"
+#include "vdbpack/preview/result_picture.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/view/view.h"
 
@@ -21,7 +22,7 @@ template <int Dim>
 void addView(const PreviewOptions& recipe, const DomainSource* source,
              const DomainSource::Built& built, const Pack<Dim>& pack, const TriangleMesh* wall,
              bool large, PagePicture& picture) {
-    ViewOptions options{recipe};
+    ViewOptions options{source ? inWorldOf(*source, recipe) : recipe};
     options.large = large;
     ViewScene<Dim> scene;
     scene.pack = &pack;

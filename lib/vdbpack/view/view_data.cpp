@@ -318,6 +318,7 @@ Json viewData(const ViewScene<Dim>& scene, const ViewOptions& options) {
         facts["cut"] = {{"axis", std::string(1, "xyz"[options.cut->axis])},
                         {"at", options.cut->at}};
     }
+    if (Dim == 3) facts["sides"] = sideNames(options);
     const std::vector<std::uint32_t> rows = shownRows(pack.spheres.size(), options.mostSpheres);
     addSpheres(pack.spheres, rows, facts, words);
     addWall(scene, options, facts, words);

@@ -1,3 +1,4 @@
+const BEHIND = -0.2;          // ends of axes that point more away from the viewer are not named
 const REST = 150;             // ms without change before a picture in full quality is drawn
 const SLOW = 80, FAST = 25;   // ms of a frame: fewer or more spheres are drawn
 const CLICK = 5;              // pixels that a click may move
@@ -136,6 +137,7 @@ class View {
     this.isDirty = false;
     this.drawing.draw(this.look(), this.budget);
     this.showScale();
+    if (!this.scene.plane) this.showSides();
   }
   /** Completes the picture in full quality. */
   drawBest() {
@@ -168,6 +170,17 @@ class View {
     const length = roundLength(clientWidth / 5 / scale);
     this.part('.view-scale i').style.width = `${length * scale}px`;
     this.part('.view-scale span').textContent = `${Number(length.toPrecision(1))} mm`;
+  }
+
+  /** The ends of the axes that one sees. */
+  showSides() {
+    const {right, up, toward} = this.camera.frame();
+    const ends = this.facts.sides.flatMap((names, k) => names.map((name, end) => {
+      const sign = end ? -1 : 1;
+      return {name, x: sign * right[k], y: -sign * up[k], near: sign * toward[k]};
+    })).filter(end => end.near > BEHIND).sort((a, b) => a.near - b.near);
+    this.part('.view-sides').innerHTML = ends.map(({name, x, y}) =>
+      `<path d="M0 0L${30 * x} ${30 * y}"/><text x="${42 * x}" y="${42 * y}">${name}</text>`).join('');
   }
 
   // Colors
