@@ -10,6 +10,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/options/command_line.h"
+#include "vdbpack/options/option_rows.h"
 #include "vdbpack/report/image_result.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/verify/verify.h"
@@ -244,10 +245,13 @@ py::dict runCommand(std::vector<std::string> words,
     return result;
 }
 
-Shared readFile(const std::string& file, const std::string& unit, const std::string& grid) {
+Shared readFile(const std::string& file, const std::string& unit, const std::string& grid,
+                const std::string& columns, double radius) {
     PackReadOptions options;
     options.unit = parseUnit(unit);
     options.gridName = grid;
+    if (!columns.empty()) options.columns = parsePackColumns(columns);
+    options.radius = radius;
     auto data = std::make_shared<PackData>();
     const py::gil_scoped_release released;
     data->pack = readPack(file, options);
@@ -349,6 +353,7 @@ PYBIND11_MODULE(_core, m) {
     m.def("options", &optionTable);
     m.def("run", &runCommand, py::arg("words"), py::arg("options"), py::arg("unset"),
           py::arg("inputs"), py::arg("progress"));
-    m.def("read", &readFile, py::arg("file"), py::arg("unit"), py::arg("grid"));
+    m.def("read", &readFile, py::arg("file"), py::arg("unit"), py::arg("grid"), py::arg("columns"),
+          py::arg("radius"));
     m.def("write", &writeFile, py::arg("pack"), py::arg("file"), py::arg("unit"));
 }

@@ -366,6 +366,17 @@ def test_recipe_repeats_a_run(tmp_path):
     assert vdbpack.pack(config=tmp_path / "p.recipe.toml", seed=4).hash != first.hash
 
 
+def test_files_whose_columns_have_no_names(tmp_path):
+    file = tmp_path / "d.dat"
+    file.write_text("0 0 0 1\n3 0 0 1.5\n")
+    assert list(vdbpack.read(file, columns="x,y,z,r").radii) == [1, 1.5]
+    points = tmp_path / "p.csv"
+    points.write_text("x,y,z\n0,0,0\n")
+    assert list(vdbpack.read(points, radius=2).radii) == [2]
+    with pytest.raises(vdbpack.FileError, match="No such file"):
+        vdbpack.pack(config=tmp_path / "no.toml")
+
+
 def test_parts_of_a_file(tmp_path):
     write_off(tmp_path / "a.off", cube(8))
     (tmp_path / "p.toml").write_text("[[part]]\nname = 'a'\ndomain = 'a.off'\n")

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace {
@@ -76,6 +77,21 @@ TEST_CASE("a part within one that is listed later has to come after it") {
                       Contains("screw: lies within") && Contains("list it after them"));
     std::swap(recipe.parts[0], recipe.parts[1]);
     CHECK(runPack(recipe).report.parts.size() == 2);
+    // Half of it, and none shares its radii.
+    const auto warned = [&](const char* words) {
+        const auto& all = runPack(recipe).report.warnings;
+        return std::any_of(all.begin(), all.end(), [&](const std::string& text) {
+            return text.find(words) != std::string::npos;
+        });
+    };
+    recipe.parts[1] = boxPart(folder.file("c.stl"), {{{3, 3, 7}}, {{6, 6, 13}}}, "screw");
+    CHECK_FALSE(warned("list it after"));
+    std::swap(recipe.parts[0], recipe.parts[1]);
+    CHECK(warned("screw: 50 % of its volume left to later parts, such as bone"));
+    CHECK_FALSE(warned("has no effect"));
+    recipe.targetCount = 500;
+    for (PackRecipe& part : recipe.parts) part.targetCount = 500;
+    CHECK(warned("`targetCount` 500 has no effect"));
 }
 
 TEST_CASE("a part that was moved away from all others is named") {

@@ -303,12 +303,14 @@ def _rebuilt(positions: Floats, radii: Floats, columns: Dict[str, Any], state: D
     return Pack._of(data, state["report"], state["picture"] or b"")
 
 
-def read(file: Path, unit: str = "mm", grid: str = "") -> Pack:
+def read(file: Path, unit: str = "mm", grid: str = "", columns: str = "", radius: float = 0) -> Pack:
     """Reads a pack of any program: .vdb .csv .vtp .ply .xyz .npz .vtkhdf, LAMMPS, LIGGGHTS, YADE.
 
     unit: of the file, if it does not state its own: "m", "cm", "mm" or "um". grid: of a .vdb.
+    columns: names of all columns, "x,y,z,r", or new names of some, "x=East,y=North". radius: mm, of
+        spheres in a file without radii.
     """
-    return Pack._of(_core.read(os.fsdecode(file), unit, grid))
+    return Pack._of(_core.read(os.fsdecode(file), unit, grid, columns, radius))
 
 
 def write(pack: Pack, file: Path, unit: str = "mm") -> None:

@@ -124,7 +124,13 @@ std::vector<std::uint8_t> maskOver(const ImageGrid& grid, const DomainRecipe& re
     requireGreyImage("`mask`", other.source);
     Image image = placedImage(other, callbacks, true);
     roundLabels(image, other.source, callbacks);
-    const LabelPart part = selectedPart(other, requiredLabels(other, image, callbacks));
+    const LabelPart part = [&] {
+        try {
+            return selectedPart(other, requiredLabels(other, image, callbacks));
+        } catch (const ParameterError& error) {
+            throw ParameterError("`mask` " + recipe.mask + ": " + error.what());
+        }
+    }();
     const ImageIndexer indexer(image.grid);
     const Vec<3> first = indexer.indexOf(grid.origin);
     std::vector<std::uint8_t> mask(grid.voxels());
@@ -161,6 +167,11 @@ std::vector<std::uint8_t> maskOver(const ImageGrid& grid, const DomainRecipe& re
 void applyMask(Image& image, const DomainRecipe& recipe, const Callbacks& callbacks) {
     requiredLabels(recipe, image);
     const auto mask = maskOver(image.grid, recipe, callbacks);
+    if (std::find(mask.begin(), mask.end(), 1) == mask.end())
+        throw ParameterError(
+            fmt::format("`mask` {}: none of its voxels lies in {}; are both of the same scan, in "
+                        "the same space?",
+                        recipe.mask, recipe.source));
     const std::size_t each = bytesOf(image.type), bytes = image.values() * each;
     const auto kept = image.bytes;  // which others may share
     image.bytes = voxelMemory(bytes);

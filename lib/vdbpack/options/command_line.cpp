@@ -2,7 +2,6 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/input_file.h"
-#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/recipe_file.h"
 #include "vdbpack/options/recipe_toml.h"
@@ -14,6 +13,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <type_traits>
 #include <utility>
@@ -137,9 +137,10 @@ std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
         }
         if (!part.partsFile.empty()) fail("parts have no parts of their own");
         if (part.outputs.size() != base.outputs.size() || part.reportFile != base.reportFile ||
-            part.preview.file != base.preview.file)
+            part.preview.file != base.preview.file || part.seed != base.seed)
             fail(where +
-                 "outputs, reports and pictures are of all parts; give them outside of the file");
+                 "outputs, reports, pictures and the seed are of all parts; give them outside of "
+                 "the file");
         parts.push_back(std::move(part));
     }
     return parts;
@@ -181,6 +182,14 @@ std::optional<std::uint64_t> repeatedHash(const Command& command,
     return statedHash(config->as<std::string>());
 }
 
+/// Adds the parts file to the recipe as a comment: it may change.
+void addPartsText(PackJob& job) {
+    std::ifstream file(job.partsFile);
+    job.optionsText += "\n# " + printable(job.partsFile) + " was:\n";
+    for (std::string line; std::getline(file, line);)
+        job.optionsText += "#   " + printable(line) + '\n';
+}
+
 void complete(const Command& command, const std::vector<std::string>& words) {
     requireRelated(command);
     std::visit(
@@ -198,6 +207,8 @@ void complete(const Command& command, const std::vector<std::string>& words) {
             const std::filesystem::path left = recipeFileFor(recipe.outputs);
             recipe.optionsText =
                 recipeText(*command.app, command.options, left.parent_path().string());
+            if constexpr (std::is_same_v<Recipe, PackJob>)
+                if (hasParts && !recipe.optionsText.empty()) addPartsText(recipe);
             recipe.repeatedHash = repeatedHash(command, words);
             for (const auto& word : words)
                 recipe.command += (recipe.command.empty() ? "" : " ") + shellQuoted(word);
@@ -284,8 +295,8 @@ std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
            "its first output, to repeat the run")
         ->option_text("FILE")
         ->check([](const std::string& file) {
-            const bool missing = !CLI::ExistingPath(file).empty();
-            return CLI::ExistingFile(file) + (missing ? similarFile(file) : "");
+            requireThere(file);
+            return CLI::ExistingFile(file);
         });
     app.config_formatter(std::make_shared<RecipeFormat>(app, &fileIn));
     app.allow_config_extras(CLI::config_extras_mode::error);

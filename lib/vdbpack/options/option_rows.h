@@ -72,4 +72,7 @@ void studyOptions(OptionList& rows, Study& study, const std::string& made);
 void cutAndColor(OptionList& rows, PreviewOptions& preview);
 void previewOptions(OptionList& rows, PreviewOptions& preview);
 
+/// The value of the option `columns` of a pack. @throws ParameterError
+PackColumns parsePackColumns(const std::string& text);
+
 }  // namespace vdbpack

@@ -68,6 +68,9 @@ std::string recipeFileText(const std::string& toml, const std::string& file, con
     else if (report.count > 0 || report.task == "pack")
         text += fmt::format("# and gave {} {}{}{:016x}\n", grouped(report.count),
                             report.dim == 2 ? "circles" : "spheres", kHash, report.hash);
+    if (report.repeatedHash)
+        text += fmt::format("# The recipe that was repeated states another one: {:016x}\n",
+                            *report.repeatedHash);
     for (const auto& sentence : report.chosen) text += "# chosen: " + sentence + '\n';
     return text + withSeed(withValues(toml, report.found), report.seed);
 }

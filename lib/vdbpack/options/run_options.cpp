@@ -17,6 +17,24 @@ const char* const kPackHelp =
     "YADE text (yade:FILE.txt), LAMMPS or LIGGGHTS data or dump (.data, .dump, lammps:FILE, "
     "dump:FILE), MercuryDPM .restart, GenGeo .geo; from any program";
 
+PackColumns parsePackColumns(const std::string& text) {
+    PackColumns columns;
+    for (const std::string& item : splitAt(text, ',')) {
+        const auto sign = item.find('=');
+        if (sign == item.npos)
+            columns.inOrder.push_back(item);
+        else
+            columns.renamed.emplace_back(trimmed(item.substr(0, sign)),
+                                         trimmed(item.substr(sign + 1)));
+        if (item.empty() || sign == 0 || sign + 1 == item.size() ||
+            (!columns.inOrder.empty() && !columns.renamed.empty()))
+            throw ParameterError("`packColumns` '" + text +
+                                 "': write the names of all columns, such as x,y,z,r, or new names "
+                                 "of some, such as x=East,y=North,z=Up,r=size");
+    }
+    return columns;
+}
+
 namespace {
 
 const char* const kOutputHelp =
@@ -39,24 +57,6 @@ const Names<PreviewColor> kColors{{"radius", PreviewColor::radius},
                                   {"region", PreviewColor::region},
                                   {"depth", PreviewColor::depth},
                                   {"order", PreviewColor::order}};
-
-PackColumns parseColumns(const std::string& text) {
-    PackColumns columns;
-    for (const std::string& item : splitAt(text, ',')) {
-        const auto sign = item.find('=');
-        if (sign == item.npos)
-            columns.inOrder.push_back(item);
-        else
-            columns.renamed.emplace_back(trimmed(item.substr(0, sign)),
-                                         trimmed(item.substr(sign + 1)));
-        if (item.empty() || sign == 0 || sign + 1 == item.size() ||
-            (!columns.inOrder.empty() && !columns.renamed.empty()))
-            throw ParameterError("`packColumns` '" + text +
-                                 "': write the names of all columns, such as x,y,z,r, or new names "
-                                 "of some, such as x=East,y=North,z=Up,r=size");
-    }
-    return columns;
-}
 
 std::string textOf(const PackColumns& columns) {
     std::string text;
@@ -119,7 +119,7 @@ void packReadingOptions(OptionList& rows, Unit& unit, PackColumns& columns, doub
                 " where its file has none, or unknown ones: of all columns in order, such as "
                 "x,y,z,r,material, or of some, such as x=East,diameter=size; a unit may follow: "
                 "radius_um",
-            [&columns](const std::string& text) { columns = parseColumns(text); },
+            [&columns](const std::string& text) { columns = parsePackColumns(text); },
             [&columns] { return textOf(columns); })
         .as("columns packColumns");
     rows.length("pack-radius", "R", radius, Range::positive,

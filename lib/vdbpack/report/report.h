@@ -50,6 +50,8 @@ struct Report {
     std::string command;  ///< as it was given
     std::string axes;     ///< of the world of images: "LPS" or "RAS"; empty: unknown
     std::uint64_t seed = 0;
+    /// That the recipe states whose run was repeated, if the result has another one.
+    std::optional<std::uint64_t> repeatedHash;
     /// Names and values of the options in which the runs of a study differ.
     std::vector<std::pair<std::string, std::string>> varied;
     int threads = 0;                    ///< of each process

@@ -73,14 +73,15 @@ void addPart(PackPlan& all, const PackPlan& part) {
 }
 
 /// All parts together, and their radii.
-PackPlan planParts(const PackRecipe& recipe, Parts& parts, std::string& sizes) {
+PackPlan planParts(const PackRecipe& recipe, Parts& parts, std::string& sizes,
+                   const Callbacks& callbacks) {
     if (parts.size() == 1) {
         PackPlan one = planWithin(parts[0].recipe, *parts[0].source);
         sizes = sizesOf(one);
         return one;
     }
     std::optional<PackPlan> all;
-    SharedRadii radii(recipe, parts);
+    SharedRadii radii(recipe, parts, callbacks);
     for (const std::size_t k : radii.order()) {
         radii.prepare(parts[k].recipe, k);
         const PackPlan one = [&] {
@@ -123,7 +124,7 @@ DryRun dryRunPack(const PackRecipe& asked, const Callbacks& callbacks) {
             parts.push_back({recipe, std::make_shared<DomainSource>(recipe.domain, callbacks)});
         const double mesh = clock.lap();
         std::string sizes;
-        const PackPlan plan = planParts(recipe, parts, sizes);
+        const PackPlan plan = planParts(recipe, parts, sizes, callbacks);
         const Extent& extent = plan.extent;
         DryRun run{extent.dim,
                    effectiveThreads(recipe.threads),

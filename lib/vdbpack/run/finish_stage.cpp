@@ -135,11 +135,13 @@ void write(Run<Dim>& run) {
                                                        run.share.pieces.size() + 1},
                                         run.callbacks)
                        : writeOutputs(outputs, outputsOf(run), run.callbacks);
-    if (settings.repeatedHash && !report.interrupted && report.hash != *settings.repeatedHash)
+    if (settings.repeatedHash && !report.interrupted && report.hash != *settings.repeatedHash) {
+        report.repeatedHash = settings.repeatedHash;
         run.callbacks.warn(fmt::format(
             "hash {:016x}, where the recipe that was repeated states {:016x}: the pack is another "
             "one. An input file, an option or the version differs",
             report.hash, *settings.repeatedHash));
+    }
     if (!report.files.empty() && run.isFirst())
         leaveRecipe(settings.optionsText, outputs, report, run.callbacks);
 }

@@ -44,6 +44,10 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
             "densify: the {} fill {:.2g} of the domain. Spheres are added in its voids as well; to "
             "keep voids, densify first and cut them with carve",
             Measure<Dim>::kSpheres, fraction));
+    if (recipe.densify.fraction > 0 && recipe.densify.fraction < fraction)
+        run.callbacks.warn(fmt::format(
+            "`densify` {:g}: the {} fill {:.4g} of the domain already; overlaps alone are removed",
+            recipe.densify.fraction, Measure<Dim>::kSpheres, fraction));
     run.pack.sliceHeight = run.built.sliceHeight;
     run.keepsPack = true;
     densifyStage(run, recipe.densify);

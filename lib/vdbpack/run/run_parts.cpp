@@ -211,6 +211,27 @@ void addLevelSets(const Run<3>& part, const std::string& name, JoinedParts& all)
         all.levelSets.push_back(renamed(*grid, name + " " + levelSetName(*grid)));
 }
 
+/// Says what later parts have of a part; a warning where one of them is larger than the part.
+void noteLoss(const Parts& parts, std::size_t k, Run<3>& all) {
+    constexpr double kNoted = 0.01, kMuch = 0.1;
+    const DomainSource& source = *parts[k].source;
+    const double own = source.left(false).volume, lost = 1 - source.left().volume / own;
+    if (!(lost > kNoted)) return;
+    const std::string text = fmt::format("{}: {:.2g} % of its volume left to later parts",
+                                         parts[k].recipe.name, 100 * lost);
+    for (std::size_t l = k + 1; l < parts.size(); ++l) {
+        const DomainSource& later = *parts[l].source;
+        if (lost < kMuch || later.left(false).volume < own ||
+            intersection(source.domainBounds(), later.domainBounds()).empty())
+            continue;
+        all.callbacks.warn(fmt::format(
+            "{}, such as {}, which is larger: if {} shall have the space, list it after {}", text,
+            parts[l].recipe.name, parts[k].recipe.name, parts[l].recipe.name));
+        return;
+    }
+    all.report.chosen.push_back(text);
+}
+
 /// Joins the packs, their reports and what they leave of their domains.
 void joinParts(const Parts& parts, PackedParts& packed, std::size_t warnings, Run<3>& all) {
     JoinedReport joined(all.report, warnings);
@@ -221,10 +242,7 @@ void joinParts(const Parts& parts, PackedParts& packed, std::size_t warnings, Ru
         const DomainSource& source = *parts[k].source;
         const std::string& name = parts[k].recipe.name;
         joined.add(run, parts[k].recipe, all.pack.spheres.size());
-        const double own = source.left(false).volume, left = source.left().volume;
-        if (left < 0.99 * own)
-            all.report.chosen.push_back(fmt::format(
-                "{}: {:.2g} % of its volume left to later parts", name, 100 * (1 - left / own)));
+        noteLoss(parts, k, all);
         appendPart(all.pack, std::move(run.pack), static_cast<std::int32_t>(k));
         step = std::min(step, run.facts.positionStep);
         addLevelSets(run, name, all.parts);
@@ -308,7 +326,7 @@ RunResult packParts(const PackRecipe& recipe, Parts parts, const Report& begun, 
     Report first = begun;
     beginOn(sources, recipe, recipe.voids, first, callbacks, false, recipe.sizeField);
     checkCut(recipe, sources);
-    SharedRadii radii(recipe, parts);
+    SharedRadii radii(recipe, parts, callbacks);
     PackedParts packed = packToTarget(radii, parts, begun, clock, callbacks);
     Run<3> all(recipe, parts.front().source, first, packed.clock, callbacks);
     all.keepsPack = true;

@@ -94,7 +94,13 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     const auto bonds = bondsIn(pack, options);
     body.pack = &pack;
     body.bonds = &bonds;
+    constexpr std::uint64_t kFewHeld = 20;
     if (result.bonds == 0) warnOfLoose(bonds, body, callbacks);
+    if (result.bonds == 0 && !body.boundary.empty() && result.boundary < kFewHeld)
+        callbacks.warn(fmt::format(
+            "only {} spheres move with the boundary, which tells little of the pack; set the "
+            "`domain` of the pack, or a larger `boundary`",
+            result.boundary));
     result.bonds = bonds.size();
     result.law = options.law;
     result.apparent = apparentStiffness(body, callbacks);

@@ -7,7 +7,8 @@
 
 namespace vdbpack {
 
-SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts.size()) {
+SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts, const Callbacks& callbacks)
+    : shared_(parts.size()) {
     const double target = recipe.targetCount > 0  ? recipe.targetCount
                           : recipe.radius.empty() ? kDefaultCount
                                                   : 0;
@@ -28,6 +29,11 @@ SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts
         largest = own;
         first_ = k;
     }
+    if (!(largest > 0) && recipe.targetCount > 0)
+        callbacks.warn(fmt::format(
+            "`targetCount` {:.0f} has no effect: each part has radii of its own, which stay; leave "
+            "out the `radius` of parts whose radii may be scaled",
+            recipe.targetCount));
     if (!(largest > 0)) return;
     target_ = target;
     PackRecipe& first = parts[first_].recipe;

@@ -16,7 +16,8 @@ namespace vdbpack {
 class SharedRadii {
 public:
     /// Gives the largest of these parts its share of the target count.
-    SharedRadii(const PackRecipe& recipe, Parts& parts);
+    /// Warns of a target count if none shares radii.
+    SharedRadii(const PackRecipe& recipe, Parts& parts, const Callbacks& callbacks);
 
     /// Of the spheres of the parts that share radii; 0: none is requested.
     double target() const { return target_; }
