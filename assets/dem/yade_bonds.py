@@ -1,15 +1,15 @@
 """Bonds of a file of vdb_pack in YADE 2023.02a to 2026.1, each with its own stiffness and strength.
 
     import sys; sys.path.append("assets/dem")
-    from yade_bonds import bonded_material, bond_engines, load_bonds
+    from yade_bonds import bond_engines, load_bonds, load_materials
 
-    O.materials.append(bonded_material(young=1e9, density=1800, frictionAngle=0.6))
-    O.bodies.append(ymport.textExt("pack.txt", "x_y_z_r"))
+    load_materials("materials.csv")
+    O.bodies.append(ymport.textExt("pack.txt", "x_y_z_r_matId"))
     O.engines = bond_engines()
     bonds = load_bonds("bonds.csv")
 
-The files are those of `vdb_pack pack ... --out-unit m -o yade:pack.txt -o bonds:bonds.csv`; with `--bond-strength`
-bonds break. Contacts that appear later have the stiffness of the material, and friction.
+The files are those of `vdb_pack pack ... --out-unit m -o yade:pack.txt -o materials:materials.csv -o bonds:bonds.csv`;
+with `--bond-strength` bonds break. Contacts that appear later have the stiffness of the material, and friction.
 """
 
 import csv
@@ -28,6 +28,18 @@ def bonded_material(**properties):
         fragile=True,
         **{"poisson": 0.3, **properties},
     )
+
+
+def load_materials(path, young=1e9, **properties):
+    """Appends a bonded_material for each row of a file of `materials:`, with its density and modulus_MPa.
+
+    young: Pa, of rows without a modulus. properties: of all of them: frictionAngle, poisson, ...
+    """
+    with open(path, newline="") as file:
+        for row in csv.DictReader(file):
+            modulus = 1e6 * float(row.get("modulus_MPa") or 0)
+            O.materials.append(bonded_material(young=modulus or young, density=float(row["density_kg_m3"]) or 1000,
+                                               **properties))
 
 
 def bond_engines(damping=0.3):

@@ -87,7 +87,7 @@ TEST_CASE("a file that is not there is reported with the one that was meant") {
                                     "pack --parts @p.toml", "pack ball:9 --config @femur.toml"}) {
         CAPTURE(words);
         const auto run = asked(wordsIn(words, folder.path()));
-        CHECK(run.code == 4);
+        CHECK(run.code == (words.find("--config") == std::string::npos ? 4 : 2));
         CHECK_THAT(run.text, Contains("did you mean ") && Contains("femur.ply?"));
     }
     CHECK_THAT(asked(wordsIn("pack --parts @p.toml", folder.path())).text,

@@ -12,7 +12,7 @@ import numpy
 
 from . import _core
 from ._domains import Domain, LevelSet, Mesh, domain_words, file_word
-from ._errors import ParameterError
+from ._errors import FileError, ParameterError
 from ._pack import Pack, Report, Voids
 from ._progress import Bar, Progress, progress_of
 from ._sizes import Table
@@ -50,6 +50,8 @@ def _given(command: str, options: Mapping[str, Any], folder: str) -> Tuple[List[
             value = bool(value)
         if value is None or value is False:
             unset.append(name)
+        elif name == "config" and isinstance(value, (str, os.PathLike)) and not os.path.isfile(value):
+            raise FileError(f"{os.fspath(value)}: cannot be read: No such file")
         elif name == "preview" and value is True:
             given.append((name, os.path.join(folder, "preview.png")))
             if options.get("preview_size") is None:  # as notebooks show it

@@ -307,7 +307,7 @@ def read(file: Path, unit: str = "mm", grid: str = "", columns: str = "", radius
     """Reads a pack of any program: .vdb .csv .vtp .ply .xyz .npz .vtkhdf, LAMMPS, LIGGGHTS, YADE.
 
     unit: of the file, if it does not state its own: "m", "cm", "mm" or "um". grid: of a .vdb.
-    columns: names of all columns, "x,y,z,r", or new names of some, "x=East,y=North". radius: mm, of
+    columns: of a file: all names, "x,y,z,r", or new names of some, "x=East,y=North". radius: mm, of
         spheres in a file without radii.
     """
     return Pack._of(_core.read(os.fsdecode(file), unit, grid, columns, radius))

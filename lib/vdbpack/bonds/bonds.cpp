@@ -21,8 +21,9 @@ void requireLaw(const BondLaw& law, std::size_t spheres) {
     require(positive(law.radiusFactor), "radius factor", law.radiusFactor, "give one above 0");
     require(law.shearRatio >= 0 && std::isfinite(law.shearRatio), "ratio of stiffnesses",
             law.shearRatio, "give 0 or more");
-    require(positive(law.breakingStrain.value_or(1)), "breaking strain",
-            law.breakingStrain.value_or(1), "give a share above 0, such as 0.0078");
+    const double strain = law.breakingStrain.value_or(0.1);
+    require(strain > 0 && strain < 1, "breaking strain", strain,
+            "give a share below 1, such as 0.0078 for 0.78 %");
     require(positive(law.shearStrength), "shear strength", law.shearStrength,
             "give a share of the tensile strength above 0");
     if (!law.moduli.empty() && law.moduli.size() != spheres)

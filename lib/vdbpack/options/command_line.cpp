@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/input_file.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/recipe_file.h"
 #include "vdbpack/options/recipe_toml.h"
@@ -295,8 +296,8 @@ std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
            "its first output, to repeat the run")
         ->option_text("FILE")
         ->check([](const std::string& file) {
-            requireThere(file);
-            return CLI::ExistingFile(file);
+            const bool missing = !CLI::ExistingPath(file).empty();
+            return CLI::ExistingFile(file) + (missing ? similarFile(file) : "");
         });
     app.config_formatter(std::make_shared<RecipeFormat>(app, &fileIn));
     app.allow_config_extras(CLI::config_extras_mode::error);

@@ -81,7 +81,8 @@ PackPlan planParts(const PackRecipe& recipe, Parts& parts, std::string& sizes,
         return one;
     }
     std::optional<PackPlan> all;
-    SharedRadii radii(recipe, parts, callbacks);
+    SharedRadii radii(recipe, parts);
+    radii.warnOfUnused(recipe, callbacks);
     for (const std::size_t k : radii.order()) {
         radii.prepare(parts[k].recipe, k);
         const PackPlan one = [&] {

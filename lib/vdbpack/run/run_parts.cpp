@@ -326,10 +326,11 @@ RunResult packParts(const PackRecipe& recipe, Parts parts, const Report& begun, 
     Report first = begun;
     beginOn(sources, recipe, recipe.voids, first, callbacks, false, recipe.sizeField);
     checkCut(recipe, sources);
-    SharedRadii radii(recipe, parts, callbacks);
+    SharedRadii radii(recipe, parts);
     PackedParts packed = packToTarget(radii, parts, begun, clock, callbacks);
     Run<3> all(recipe, parts.front().source, first, packed.clock, callbacks);
     all.keepsPack = true;
+    radii.warnOfUnused(recipe, all.callbacks);
     joinParts(parts, packed, begun.warnings.size(), all);
     // Whatever is filled is the first part's for what needs one domain, such as a picture's frame.
     all.built = packed.runs[radii.order().front()]->built;

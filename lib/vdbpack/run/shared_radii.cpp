@@ -7,8 +7,7 @@
 
 namespace vdbpack {
 
-SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts, const Callbacks& callbacks)
-    : shared_(parts.size()) {
+SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts.size()) {
     const double target = recipe.targetCount > 0  ? recipe.targetCount
                           : recipe.radius.empty() ? kDefaultCount
                                                   : 0;
@@ -29,16 +28,19 @@ SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts, const Callbacks
         largest = own;
         first_ = k;
     }
-    if (!(largest > 0) && recipe.targetCount > 0)
-        callbacks.warn(fmt::format(
-            "`targetCount` {:.0f} has no effect: each part has radii of its own, which stay; leave "
-            "out the `radius` of parts whose radii may be scaled",
-            recipe.targetCount));
     if (!(largest > 0)) return;
     target_ = target;
     PackRecipe& first = parts[first_].recipe;
     first.targetCount = std::max(1.0, std::round(target * largest / volume));
     asked_ = requestedSizes(first, 3).sizes.mean();
+}
+
+void SharedRadii::warnOfUnused(const PackRecipe& recipe, const Callbacks& callbacks) const {
+    if (target_ == 0 && recipe.targetCount > 0)
+        callbacks.warn(fmt::format(
+            "`targetCount` {:.0f} has no effect: each part has radii of its own, which stay; leave "
+            "out the `radius` of parts whose radii may be scaled",
+            recipe.targetCount));
 }
 
 std::vector<std::size_t> SharedRadii::order() const {

@@ -16,8 +16,9 @@ namespace vdbpack {
 class SharedRadii {
 public:
     /// Gives the largest of these parts its share of the target count.
-    /// Warns of a target count if none shares radii.
-    SharedRadii(const PackRecipe& recipe, Parts& parts, const Callbacks& callbacks);
+    SharedRadii(const PackRecipe& recipe, Parts& parts);
+    /// Warns of a target count if no parts share radii.
+    void warnOfUnused(const PackRecipe& recipe, const Callbacks& callbacks) const;
 
     /// Of the spheres of the parts that share radii; 0: none is requested.
     double target() const { return target_; }
