@@ -45,16 +45,16 @@ O.dt = setup["dt"]
 made = load_bonds("bonds.csv")
 
 
-interval = setup["steps"] // setup["records"]
-samples = 20 if interval >= 20 else 1  # waves run through the specimen: a record is a mean
+samples = min(20, setup["steps"] // setup["records"])  # waves run through the specimen: a record is a mean
 started = time.time()
 with open(sys.argv[1], "w") as curve:
     curve.write("strain,closed_m,top_N,bottom_N,stress_Pa,bonds,kinetic_J\n")
     curve.write("0,0,0,0,0,%d,0\n" % sum(whole_bonds(made)))
-    while O.iter < setup["steps"]:
+    for record in range(setup["records"]):
         pushed_top = pushed_bottom = closed = 0.0
-        for _ in range(samples):
-            O.run(interval // samples, True)
+        for sample in range(samples):
+            until = setup["steps"] * (record * samples + sample + 1) // (setup["records"] * samples)
+            O.run(until - O.iter, True)
             pushed_top += sumForces(top, (0, 0, 1)) / samples
             pushed_bottom -= sumForces(bottom, (0, 0, 1)) / samples
             closed += 2 * setup["speed"] * O.time / samples

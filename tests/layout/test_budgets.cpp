@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 90811},
-    {"lib/python", 2024},
+    {"lib", 90983},
+    {"lib/python", 2033},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 3879},
@@ -30,21 +30,21 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/image", 5703},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2835},
-    {"lib/vdbpack/domain", 6965},
+    {"lib/vdbpack/domain", 6976},
     {"lib/vdbpack/pack", 7732},
     {"lib/vdbpack/densify", 4747},
-    {"lib/vdbpack/bonds", 694},
+    {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5535},
     {"lib/vdbpack/voids", 7996},
     {"lib/vdbpack/formats", 9915},
-    {"lib/vdbpack/report", 3864},
-    {"lib/vdbpack/preview", 3347},
-    {"lib/vdbpack/view", 1568},
+    {"lib/vdbpack/report", 3876},
+    {"lib/vdbpack/preview", 3355},
+    {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3403},
-    {"lib/vdbpack/run", 6330},
+    {"lib/vdbpack/options", 3424},
+    {"lib/vdbpack/run", 6425},
     {"tools", 3804},
-    {"tests", 33938},
+    {"tests", 33969},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

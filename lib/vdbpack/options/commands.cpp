@@ -181,8 +181,10 @@ void list(OptionList& rows, StiffnessRecipe& job, PrintOptions& print) {
             job.press = static_cast<int>(at);
         },
         [&job] { return job.press ? std::string(1, "xyz"[*job.press]) : std::string(); });
-    rows.length("grip", "L [4 mean radii]", job.grip, Range::positive,
-                "depth of a grip of `press`, mm: it holds the spheres whose centers lie in it");
+    rows.length(
+        "grip", "L", job.grip, Range::positive,
+        "depth of a grip of `press`, mm: it holds the spheres whose centers lie in it "
+        "(default: four mean radii, or deeper until these cover 80 % of the cross-section)");
     rows.group("Run");
     rows.flag("json", print.json, kResultAsJson).passing();
 }

@@ -138,7 +138,8 @@ struct StiffnessRecipe : InputPack {
     /// Axis 0 to 2 along which two rigid grips press the body, in place of six strains; nothing:
     /// none.
     std::optional<int> press;
-    /// Depth of a grip, mm: it holds the spheres whose centers lie in it; nothing: four mean radii.
+    /// Depth of a grip, mm: it holds the spheres whose centers lie in it; nothing: four mean
+    /// radii, or deeper until these cover the ends.
     std::optional<double> grip;
     /// Young's modulus (MPa) and Poisson's ratio for which bonds are sought; `fits` false: none.
     bool fits = false;

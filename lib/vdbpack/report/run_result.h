@@ -88,7 +88,14 @@ struct StiffnessResult {
         double stiffness = 0;            ///< force by shortening, N/mm
         double gauge = 0, grip = 0;      ///< lengths between the grips and of each, mm
         double area = 0;                 ///< mean cross-section of the domain, mm²
+        double low = 0, high = 0;        ///< ends of the pack along the axis, mm
         std::uint64_t held[2] = {0, 0};  ///< spheres in the lower and the upper grip
+        double covers[2] = {0, 0};       ///< of the cross-section, by these spheres
+
+        /// Whether an end's grip holds a sphere, by its center along the axis.
+        bool holds(int end, double at) const {
+            return end == 0 ? at < low + grip : at > high - grip;
+        }
     };
     std::optional<Pressed> pressed;
     double modulusFactor = 1;  ///< by which moduli were changed to reach a wanted one

@@ -37,7 +37,8 @@ Json toJson(const StiffnessResult::Pressed& p) {
             {"gauge", p.gauge},
             {"grip", p.grip},
             {"area", p.area},
-            {"held", p.held}};
+            {"held", p.held},
+            {"covers", p.covers}};
 }
 
 /// @param line  adds a line with a label.
@@ -110,10 +111,12 @@ std::string summary(const StiffnessResult& r) {
     line("volume", fmt::format("{:.6g} mm³ of {}", r.volume, r.body));
     if (r.pressed) {
         const StiffnessResult::Pressed& p = *r.pressed;
-        line("pressed",
-             fmt::format("along {} between grips of {:.4g} mm, which hold {} and {} "
-                         "spheres; {:.4g} mm between them",
-                         "xyz"[p.axis], p.grip, grouped(p.held[0]), grouped(p.held[1]), p.gauge));
+        line(
+            "pressed",
+            fmt::format("along {} between grips of {:.4g} mm, which hold {} and {} "
+                        "spheres, {:.0f} and {:.0f} % of the cross-section; {:.4g} mm between them",
+                        "xyz"[p.axis], p.grip, grouped(p.held[0]), grouped(p.held[1]),
+                        100 * p.covers[0], 100 * p.covers[1], p.gauge));
         line("modulus", fmt::format("{:.5g} MPa apparent, by the mean cross-section of {:.5g} mm²; "
                                     "{:.5g} N/mm",
                                     p.modulus, p.area, p.stiffness));

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -108,35 +109,85 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     return result.elasticity ? result.elasticity->isotropicPoisson : 0;
 }
 
-/// Presses the body between two rigid grips, by one unit of strain of what lies between them.
-void press(const StiffnessRecipe& recipe, const Pack<3>& pack, const BondOptions& options,
-           BondedBody body, StiffnessResult& result, const Callbacks& callbacks) {
+/// The area that spheres hide, seen along an axis, mm².
+/// @param counts  whether a sphere is one of them.
+template <class Counts>
+double shadowOf(const Pack<3>& pack, int axis, double cell, const Counts& counts) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    std::set<std::pair<std::int64_t, std::int64_t>> cells;
+    const auto at = [cell](double x) { return static_cast<std::int64_t>(std::floor(x / cell)); };
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        const Sphere<3>& s = pack.spheres[i];
+        if (!counts(i)) continue;
+        for (std::int64_t x = at(s.center[u] - s.radius); x <= at(s.center[u] + s.radius); ++x)
+            for (std::int64_t y = at(s.center[v] - s.radius); y <= at(s.center[v] + s.radius);
+                 ++y) {
+                const double dx = (static_cast<double>(x) + 0.5) * cell - s.center[u],
+                             dy = (static_cast<double>(y) + 0.5) * cell - s.center[v];
+                if (dx * dx + dy * dy <= s.radius * s.radius) cells.emplace(x, y);
+            }
+    }
+    return static_cast<double>(cells.size()) * cell * cell;
+}
+
+/// Two grips, and what they hold: as deep as asked, or else four mean radii, and deeper until what
+/// both hold covers `kCovers` of the cross-section: ends may be hollow, as those of vertebrae.
+StiffnessResult::Pressed gripsOn(const StiffnessRecipe& recipe, const Pack<3>& pack, double volume,
+                                 const Callbacks& callbacks) {
+    constexpr double kCovers = 0.8, kFew = 0.6, kMostShare = 0.25;
     StiffnessResult::Pressed pressed;
     const int axis = pressed.axis = *recipe.press;
     if (pack.cell.isAlong(axis))
         throw ParameterError(
             fmt::format("`press` {}: the pack is periodic along it, without ends", "xyz"[axis]));
-    double low = std::numeric_limits<double>::infinity(), high = -low;
+    double& low = pressed.low = std::numeric_limits<double>::infinity();
+    double& high = pressed.high = -low;
     for (const Sphere<3>& s : pack.spheres) {
         low = std::min(low, s.center[axis] - s.radius);
         high = std::max(high, s.center[axis] + s.radius);
     }
     const double mean = radiusStatistics(pack.spheres).mean;
+    pressed.area = volume / (high - low);
+    const double whole =
+        std::min(pressed.area, shadowOf(pack, axis, mean / 2, [](std::size_t) { return true; }));
     pressed.grip = recipe.grip.value_or(4 * mean);
+    for (;; pressed.grip += mean / 2) {
+        for (const int end : {0, 1})
+            pressed.covers[end] =
+                shadowOf(pack, axis, mean / 2,
+                         [&](std::size_t i) {
+                             return pressed.holds(end, pack.spheres[i].center[axis]);
+                         }) /
+                whole;
+        const bool deepest = pressed.grip + mean / 2 > kMostShare * (high - low);
+        if (recipe.grip || deepest || std::min(pressed.covers[0], pressed.covers[1]) >= kCovers)
+            break;
+    }
+    if (const double least = std::min(pressed.covers[0], pressed.covers[1]); least < kFew)
+        callbacks.warn(fmt::format(
+            "`press` {}: a grip of {:.4g} mm holds only {:.0f} % of the cross-section at one end, "
+            "whose shape then decides the modulus; set a larger `grip`, or `clip` the ends",
+            "xyz"[axis], pressed.grip, 100 * least));
     pressed.gauge = high - low - 2 * pressed.grip;
     if (!(pressed.gauge > 2 * mean))
         throw ParameterError(
             fmt::format("`press` {}: the pack is {:.4g} mm long, which leaves nothing between two "
                         "grips of {:.4g} mm; set a smaller `grip`",
                         "xyz"[axis], high - low, pressed.grip));
-    pressed.area = body.volume / (high - low);
+    return pressed;
+}
+
+/// Presses the body between two rigid grips, by one unit of strain of what lies between them.
+void press(const StiffnessRecipe& recipe, const Pack<3>& pack, const BondOptions& options,
+           BondedBody body, StiffnessResult& result, const Callbacks& callbacks) {
+    StiffnessResult::Pressed pressed = gripsOn(recipe, pack, body.volume, callbacks);
     body.boundary.assign(pack.spheres.size(), 0);
     std::vector<Vec<3>> moves(pack.spheres.size());
     for (std::size_t i = 0; i < moves.size(); ++i) {
-        const double at = pack.spheres[i].center[axis];
-        const bool lower = at<low + pressed.grip, upper = at> high - pressed.grip;
+        const double at = pack.spheres[i].center[pressed.axis];
+        const bool lower = pressed.holds(0, at), upper = pressed.holds(1, at);
         body.boundary[i] = lower || upper;
-        moves[i][axis] = lower ? 0.5 : upper ? -0.5 : 0;
+        moves[i][pressed.axis] = lower ? 0.5 : upper ? -0.5 : 0;
         pressed.held[0] += lower;
         pressed.held[1] += upper;
     }
