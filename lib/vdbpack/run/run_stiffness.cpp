@@ -134,7 +134,7 @@ double shadowOf(const Pack<3>& pack, int axis, double cell, const Counts& counts
 /// both hold covers `kCovers` of the cross-section: ends may be hollow, as those of vertebrae.
 StiffnessResult::Pressed gripsOn(const StiffnessRecipe& recipe, const Pack<3>& pack, double volume,
                                  const Callbacks& callbacks) {
-    constexpr double kCovers = 0.8, kFew = 0.6, kMostShare = 0.25;
+    constexpr double kCovers = 0.8, kLittle = 0.6, kMostShare = 0.25;
     StiffnessResult::Pressed pressed;
     const int axis = pressed.axis = *recipe.press;
     if (pack.cell.isAlong(axis))
@@ -163,7 +163,7 @@ StiffnessResult::Pressed gripsOn(const StiffnessRecipe& recipe, const Pack<3>& p
         if (recipe.grip || deepest || std::min(pressed.covers[0], pressed.covers[1]) >= kCovers)
             break;
     }
-    if (const double least = std::min(pressed.covers[0], pressed.covers[1]); least < kFew)
+    if (const double least = std::min(pressed.covers[0], pressed.covers[1]); least < kLittle)
         callbacks.warn(fmt::format(
             "`press` {}: a grip of {:.4g} mm holds only {:.0f} % of the cross-section at one end, "
             "whose shape then decides the modulus; set a larger `grip`, or `clip` the ends",
