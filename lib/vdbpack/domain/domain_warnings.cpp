@@ -72,7 +72,7 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     if ((levelSet || image) && (recipe.repair || recipe.cavities.any()))
         callbacks.warn("`repair` and `cavities` have no effect: " + text +
                        (image ? " is an image" : " is a level set"));
-    if (recipe.shellFrom == ShellFrom::outer && recipe.clips.empty() && !source.hasCavities())
+    if (recipe.shellFrom == ShellFrom::outer && source.isWhole() && !source.hasCavities())
         callbacks.warn("`shellFrom` outer changes nothing: " + text +
                        " has neither cavities nor clips");
     if (source.isFile()) return;

@@ -301,6 +301,15 @@ void addGreyValues(const GreyRecipe& recipe, const DomainRecipe& domain,
                   moduliOf(recipe, parts, pack, pack.spheres.size(), densities));
 }
 
+void keepDensities(PackAttributes& pack, std::size_t spheres, double all,
+                   const std::map<std::int32_t, double>& ofMaterials) {
+    if (spheres == 0 || (!(all > 0) && ofMaterials.empty())) return;
+    const SphereDensities densities(pack, all, ofMaterials);
+    std::vector<double> each(spheres);
+    for (std::size_t i = 0; i < spheres; ++i) each[i] = densities.of(i);
+    setColumn(pack, kDensityColumn, std::move(each));
+}
+
 template void addGreyValues(const GreyRecipe&, const DomainRecipe&, const PartProperties&, Pack<2>&,
                             const Callbacks&);
 template void addGreyValues(const GreyRecipe&, const DomainRecipe&, const PartProperties&, Pack<3>&,

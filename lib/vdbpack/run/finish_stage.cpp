@@ -129,12 +129,16 @@ void write(Run<Dim>& run) {
         leaveOutIncomplete(run, outputs);
         for (OutputTarget& output : outputs) output = interruptedName(output.text);
     }
+    const RunOutputs<Dim> have = outputsOf(run);
+    if (have.pack)
+        keepDensities(run.pack, run.pack.spheres.size(), have.options.particleDensity,
+                      have.options.materialDensity);
     report.files = run.ranks()
-                       ? writeOverRanks(outputs, outputsOf(run),
+                       ? writeOverRanks(outputs, have,
                                         PackShare<Dim>{run.ranks(), run.pack, run.share.spans,
                                                        run.share.pieces.size() + 1},
                                         run.callbacks)
-                       : writeOutputs(outputs, outputsOf(run), run.callbacks);
+                       : writeOutputs(outputs, have, run.callbacks);
     if (settings.repeatedHash && !report.interrupted && report.hash != *settings.repeatedHash) {
         report.repeatedHash = settings.repeatedHash;
         run.callbacks.warn(fmt::format(

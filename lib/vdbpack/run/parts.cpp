@@ -180,12 +180,12 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
         auto source = std::make_shared<DomainSource>(
             place.image ? place.image->source(domain, place.part, callbacks)
                         : DomainSource(domain, callbacks));
-        warnOfUnused(domain, *source, callbacks);
         if (source->dim() != 3)
             throw ParameterError(recipes[k].name + ": parts fill domains of space");
         parts.push_back({std::move(recipes[k]), std::move(source)});
     }
     cutByLater(places, parts);
+    for (const Part& part : parts) warnOfUnused(part.recipe.domain, *part.source, callbacks);
     return parts;
 }
 

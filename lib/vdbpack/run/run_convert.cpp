@@ -91,6 +91,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.count = pack.spheres.size();
     result.hash = packHash(pack);
     addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
+    keepDensities(pack, pack.spheres.size(), write.particleDensity, write.materialDensity);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
     PreviewOptions preview = recipe.preview;
     preview.space = recipe.domain.space;
