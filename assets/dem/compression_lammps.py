@@ -198,7 +198,8 @@ with open(sys.argv[1], "w") as curve:
         last = closed
         if record > 2 and kinetic > UNSTABLE * abs(work):
             sys.exit(f"compression_lammps: unstable at a strain of {strain:.3g}: {kinetic:.3g} J of kinetic energy, {work:.3g} J of "
-                     "work. Bonds of very different stiffness, and loose spheres, are beyond this model; take YADE (--only yade)")
+                     "work. Bonds of very different stiffness (of an implant, or of spheres of almost no density, which "
+                     "--sample-length avoids) and loose spheres are beyond this model; take YADE (--only yade)")
         print(f"step {step}, {time.time() - started:.0f} s: strain {strain:.4f}, {top:.0f} N, {whole.sum()} bonds", flush=True)
 with open("whole_lammps.csv", "w") as file:
     file.write("whole\n" + "".join(f"{state:d}\n" for state in whole))

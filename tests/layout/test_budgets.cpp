@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 90983},
+    {"lib", 91038},
     {"lib/python", 2033},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
@@ -36,13 +36,13 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5535},
     {"lib/vdbpack/voids", 7996},
-    {"lib/vdbpack/formats", 9915},
+    {"lib/vdbpack/formats", 9929},
     {"lib/vdbpack/report", 3876},
     {"lib/vdbpack/preview", 3355},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3424},
-    {"lib/vdbpack/run", 6425},
+    {"lib/vdbpack/run", 6466},
     {"tools", 3804},
     {"tests", 33969},
 };

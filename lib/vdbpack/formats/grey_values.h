@@ -56,8 +56,8 @@ template <int Dim>
 void addGreyValues(const GreyRecipe& recipe, const DomainRecipe& domain,
                    const PartProperties& parts, Pack<Dim>& pack, const Callbacks& callbacks);
 
-/// Adds the densities that were requested, kg/m³, as column `kDensityColumn`, so that whoever reads
-/// the pack has them. @param all, ofMaterials  as `SphereDensities`; without them, nothing is done
+/// Adds requested densities, kg/m³, as column `kDensityColumn`: files of the pack then hold them.
+/// @param all, ofMaterials  as `SphereDensities`; without them, nothing is done
 void keepDensities(PackAttributes& pack, std::size_t spheres, double all,
                    const std::map<std::int32_t, double>& ofMaterials);
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -56,6 +57,15 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
             depths.push_back(wall);
         }
     }
+    constexpr double kMostOutside = 0.01;
+    const auto outside =
+        std::count_if(depths.begin(), depths.end(), [](double d) { return d > 0; });
+    if (source && static_cast<double>(outside) > kMostOutside * static_cast<double>(depths.size()))
+        callbacks.warn(
+            fmt::format("{} of {} spheres have their center outside of {}, so that volume and "
+                        "cross-section are "
+                        "another body's; check `domain`, `label`, `mask` and units",
+                        outside, depths.size(), result.body));
     const bool repeats = pack.cell.isAlong(0) && pack.cell.isAlong(1) && pack.cell.isAlong(2);
     body.boundary.assign(repeats ? 0 : centers.size(), 0);
     for (std::size_t i = 0; i < body.boundary.size(); ++i) {
@@ -89,6 +99,28 @@ void warnOfLoose(const std::vector<Bond>& bonds, const BondedBody& body,
                         100 * share, body.boundary.empty() ? "one another" : "the boundary"));
 }
 
+/// Warns of parts that hardly any bond joins to others.
+void warnOfLooseParts(const Pack<3>& pack, const std::vector<Bond>& bonds,
+                      const Callbacks& callbacks) {
+    constexpr std::uint64_t kFewBonds = 10;
+    const Materials materials(pack);
+    if (!materials.hasParts()) return;
+    std::map<std::int32_t, std::uint64_t> joined;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) joined[materials.partOf(i)];
+    for (const Bond& b : bonds)
+        if (const auto p = materials.partOf(b.i), q = materials.partOf(b.j); p != q)
+            ++joined[p], ++joined[q];
+    const std::vector<std::string>& names = partNames(pack);
+    for (const auto& [part, count] : joined) {
+        if (count >= kFewBonds || joined.size() < 2) continue;
+        const auto at = static_cast<std::size_t>(part);
+        callbacks.warn(fmt::format(
+            "{} has {} bonds with other parts and carries next to nothing of their load; set "
+            "`interfaceTolerance`, as the run that packed it advises",
+            at < names.size() ? names[at] : fmt::format("part {}", part), count));
+    }
+}
+
 /// Solves once. @return the Poisson's ratio of the isotropic average
 double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
              StiffnessResult& result, const Callbacks& callbacks) {
@@ -96,7 +128,10 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     body.pack = &pack;
     body.bonds = &bonds;
     constexpr std::uint64_t kFewHeld = 20;
-    if (result.bonds == 0) warnOfLoose(bonds, body, callbacks);
+    if (result.bonds == 0) {
+        warnOfLoose(bonds, body, callbacks);
+        warnOfLooseParts(pack, bonds, callbacks);
+    }
     if (result.bonds == 0 && !body.boundary.empty() && result.boundary < kFewHeld)
         callbacks.warn(fmt::format(
             "only {} spheres move with the boundary, which tells little of the pack; set the "
@@ -195,6 +230,7 @@ void press(const StiffnessRecipe& recipe, const Pack<3>& pack, const BondOptions
     body.pack = &pack;
     body.bonds = &bonds;
     warnOfLoose(bonds, body, callbacks);
+    warnOfLooseParts(pack, bonds, callbacks);
     pressed.stiffness = 2 * energyOf(body, moves, callbacks);
     pressed.modulus = pressed.stiffness * pressed.gauge / pressed.area;
     result.bonds = bonds.size();
