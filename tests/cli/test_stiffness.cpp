@@ -121,3 +121,23 @@ TEST_CASE("columns of touching spheres between two grips are springs one after a
     CHECK_THAT(vdbPack("stiffness " + words + " --grip 5").text, Contains("--grip"));
     CHECK(vdbPack("stiffness " + words + " --boundary 1").code == 2);
 }
+
+TEST_CASE("grips reach past hollow ends, or warn, as do spheres outside of the domain") {
+    const TemporaryFolder folder;
+    const auto press = [&](int spike, const std::string& domain) {
+        std::ofstream file(folder.file("bar.csv"));
+        file << "x,y,z,radius\n";
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j)
+                for (int k = 0; k < 16 + (i + j == 0 ? spike : 0); ++k)
+                    file << i - 1.5 << ',' << j - 1.5 << ',' << k - 7.5 << ",0.5\n";
+        file.close();
+        return vdbPack("stiffness " + folder.file("bar.csv") + " --contact-tol 0.01 --domain " +
+                       domain + " --press z")
+            .text;
+    };
+    CHECK_THAT(press(0, "box:4,4,16"), Contains("grips of 2 mm") && !Contains("warning"));
+    CHECK_THAT(press(2, "box:4,4,20"), Contains("grips of 2.75 mm") && !Contains("warning"));
+    CHECK_THAT(press(6, "box:4,4,28"), Contains("of the cross-section at one end"));
+    CHECK_THAT(press(0, "box:4,4,8"), Contains("outside of"));
+}

@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3424},
     {"lib/vdbpack/run", 6466},
     {"tools", 3804},
-    {"tests", 33969},
+    {"tests", 34009},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -6,6 +6,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/materials.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
 
@@ -28,6 +29,25 @@ PackRecipe blockOf(const std::string& file, double from, const char* name) {
 }
 
 }  // namespace
+
+TEST_CASE("densities that are given stay with the pack, of all and of parts") {
+    const TemporaryFolder folder;
+    PackJob ball = recipeFor("ball:4", "constant:0.8");
+    ball.density = "1900";
+    ball.outputs = {folder.file("p.csv")};
+    for (const double density : columnIn(runPack(ball), kDensityColumn)) CHECK(density == 1900);
+    CHECK(columnOfNumbers(readPack(folder.file("p.csv")), kDensityColumn));
+    PackRecipe recipe;
+    recipe.parts = {blockOf(folder.file("a.stl"), 0, "bone"),
+                    blockOf(folder.file("b.stl"), 6, "screw")};
+    recipe.parts[0].density = "1800";
+    recipe.parts[1].density = "4430";
+    recipe.outputs = {folder.file("q.vtp")};
+    const RunResult run = runPack(recipe);
+    const auto densities = columnIn(run, kDensityColumn), parts = columnIn(run, kPartColumn);
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        CHECK(densities[i] == (parts[i] == 0 ? 1800 : 4430));
+}
 
 TEST_CASE("a modulus alone is a column without grey values") {
     PackJob recipe = recipeFor("ball:4", "constant:0.8");
