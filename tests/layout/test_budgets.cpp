@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 91038},
+    {"lib", 91039},
     {"lib/python", 2033},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
@@ -41,7 +41,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/preview", 3355},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3424},
+    {"lib/vdbpack/options", 3425},
     {"lib/vdbpack/run", 6466},
     {"tools", 3804},
     {"tests", 34009},

@@ -52,9 +52,10 @@ void VoidRows::addMethod() const {
     rows.flag("keep-connected", voids.keepConnected,
               "remove what is not connected to the shell; without a shell, all but the largest "
               "component");
-    rows.flag("measure-solid", voids.measureSolid,
-              "measure what the voids leave deeper than the shell, as measure does: Tb.Th, Tb.Sp, "
-              "DA, Conn.D, in report and table; takes more time and memory than all else (see dry-run)");
+    rows.flag(
+        "measure-solid", voids.measureSolid,
+        "measure what the voids leave deeper than the shell, as measure does: Tb.Th, Tb.Sp, "
+        "DA, Conn.D, in report and table; takes more time and memory than all else (see dry-run)");
 }
 
 void VoidRows::addTargets() const {
