@@ -371,7 +371,7 @@ def test_files_whose_columns_have_no_names(tmp_path):
     file.write_text("0 0 0 1\n3 0 0 1.5\n")
     assert list(vdbpack.read(file, columns="x,y,z,r").radii) == [1, 1.5]
     file.write_text("x y z\n0 0 0\n")
-    assert list(vdbpack.read(file, radius=2).radii) == [2]
+    assert list(vdbpack.read(file, pack_radius=2).radii) == [2]
     with pytest.raises(vdbpack.FileError, match="No such file"):
         vdbpack.pack(config=tmp_path / "no.toml")
 

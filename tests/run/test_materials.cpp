@@ -47,6 +47,9 @@ TEST_CASE("densities that are given stay with the pack, of all and of parts") {
     const auto densities = columnIn(run, kDensityColumn), parts = columnIn(run, kPartColumn);
     for (std::size_t i = 0; i < parts.size(); ++i)
         CHECK(densities[i] == (parts[i] == 0 ? 1800 : 4430));
+    // By region: all of a pack without a shell are 0.
+    for (PackRecipe& part : recipe.parts) part.density = "0=1900,1=400";
+    for (const double density : columnIn(runPack(recipe), kDensityColumn)) CHECK(density == 1900);
 }
 
 TEST_CASE("a modulus alone is a column without grey values") {

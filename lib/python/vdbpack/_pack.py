@@ -303,14 +303,14 @@ def _rebuilt(positions: Floats, radii: Floats, columns: Dict[str, Any], state: D
     return Pack._of(data, state["report"], state["picture"] or b"")
 
 
-def read(file: Path, unit: str = "mm", grid: str = "", columns: str = "", radius: float = 0) -> Pack:
+def read(file: Path, unit: str = "mm", grid: str = "", columns: str = "", pack_radius: float = 0) -> Pack:
     """Reads a pack of any program: .vdb .csv .vtp .ply .xyz .npz .vtkhdf, LAMMPS, LIGGGHTS, YADE.
 
     unit: of the file, if it does not state its own: "m", "cm", "mm" or "um". grid: of a .vdb.
-    columns: of a file: all names, "x,y,z,r", or new names of some, "x=East,y=North". radius: mm, of
-        spheres in a file without radii.
+    columns: of a file: all names, "x,y,z,r", or new names of some, "x=East,y=North".
+    pack_radius: mm, of spheres in a file without radii.
     """
-    return Pack._of(_core.read(os.fsdecode(file), unit, grid, columns, radius))
+    return Pack._of(_core.read(os.fsdecode(file), unit, grid, columns, pack_radius))
 
 
 def write(pack: Pack, file: Path, unit: str = "mm") -> None:
@@ -320,7 +320,8 @@ def write(pack: Pack, file: Path, unit: str = "mm") -> None:
     name = os.fsdecode(file)
     if not isinstance(unit, str):
         raise ParameterError(f"unit: {type(unit).__name__} is no unit; give m, cm, mm or um")
-    if name.split(":")[0] in ("contacts", "materials", "list", "labels", "blender", "surface", "solid"):
+    if name.split(":")[0] in ("contacts", "bonds", "bond-coeffs", "interfaces", "materials", "list", "labels", "blender",
+                              "surface", "solid"):
         raise ParameterError(f"file {name}: is no pack; give it to `convert` as output")
     _core.write(pack._data, name, unit)
 

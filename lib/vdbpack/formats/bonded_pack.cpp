@@ -118,7 +118,8 @@ void writeBondCoefficients(const std::vector<Bond>& bonds, const BondOptions& op
     if (options.classes == 1)
         throw ParameterError(
             "bond-coeffs:" + file +
-            ": bonds of one class share no stiffness; set `bondClasses` to each, or to a number");
+            ": bonds of one class share no stiffness; set `bondClasses` to 0, a class for each "
+            "bond, or to a number of classes");
     const double per = fromMillimeters(1, unit);  // units of length per mm
     const bool strong = options.law.breakingStrain.has_value();
     OutputFile out(file);

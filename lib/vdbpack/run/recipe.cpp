@@ -149,7 +149,10 @@ void checkRecipe(const PackRecipe& recipe) {
         addInputs(part, inputs);
     }
     checkSettings(recipe, RunKind::pack, recipe.voids, inputs);
-    if (recipe.parts.empty() && recipe.domain.partsBy == PartsBy::none) refuseInterfaces(recipe);
+    const std::string& label = recipe.domain.label;
+    const bool severalLabels = label == "all" || label.find(',') != std::string::npos;
+    if (recipe.parts.empty() && recipe.domain.partsBy == PartsBy::none && !severalLabels)
+        refuseInterfaces(recipe);
     if (!recipe.existing.empty()) return;
     // A pack has no columns but its part and the samples.
     const std::vector<std::string> columns{kPartColumn};

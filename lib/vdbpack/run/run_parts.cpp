@@ -297,7 +297,11 @@ void setProperties(const Parts& parts, const PackedParts& packed, Run<3>& all) {
                 part.name, modulus));
         const SphereDensity density =
             particleDensity(part.density, packed.runs[k]->report.solidFractionTotal);
+        warnOfLightness(part.density, all.callbacks);
+        const bool hasRegions =
+            materials.withoutClass(number, 0) != materials.withoutClass(number, 1);
         for (const std::int32_t region : {0, 1}) {
+            if (region == 1 && !hasRegions) continue;
             const auto found = density.ofRegions.find(region);
             const double value = found != density.ofRegions.end() ? found->second : density.all;
             if (value > 0)

@@ -56,8 +56,9 @@ void refuseInterfaces(const RunSettings& settings) {
     for (const OutputTarget& output : settings.outputs)
         if (output.kind == OutputKind::interfaces)
             throw ParameterError(output.text +
-                                 ": interfaces are between the parts of a pack that is made; "
-                                 "leave it out, or set `partsFile` or `partsBy` of `pack`");
+                                 ": interfaces are between the parts of a pack that `pack` "
+                                 "makes; leave it out, or set `partsFile`, `partsBy` or several "
+                                 "labels there");
 }
 
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
