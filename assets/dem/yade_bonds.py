@@ -1,12 +1,14 @@
 """Bonds of a file of vdb_pack in YADE 2023.02a to 2026.1, each with its own stiffness and strength.
 
-    import sys; sys.path.append("assets/dem")
+    import sys; sys.path.append("assets/dem")  # of the repository
+    from yade import ymport
     from yade_bonds import bond_engines, load_bonds, load_materials
 
     load_materials("materials.csv")
     O.bodies.append(ymport.textExt("pack.txt", "x_y_z_r_matId"))
     O.engines = bond_engines()
     bonds = load_bonds("bonds.csv")
+    O.dt = 0.3 * PWaveTimeStep()
 
 The files are those of `vdb_pack pack ... --out-unit m -o yade:pack.txt -o materials:materials.csv -o bonds:bonds.csv`;
 with `--bond-strength` bonds break. Contacts that appear later have the stiffness of the material, and friction.

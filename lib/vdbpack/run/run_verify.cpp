@@ -96,6 +96,7 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
         PackRecipe filled;
         filled.domain = recipe.domain;
         filled.parts = recipe.parts;
+        for (PackRecipe& part : filled.parts) part.grey = {};  // materials are not checked
         partsByCenter(filled, callbacks);
         const Parts parts = partsOf(filled, callbacks);
         VerifyRecipe whole = recipe;
