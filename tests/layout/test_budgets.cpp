@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 91050},
+    {"lib", 91051},
     {"lib/python", 2034},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
@@ -42,9 +42,9 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3425},
-    {"lib/vdbpack/run", 6475},
+    {"lib/vdbpack/run", 6476},
     {"tools", 3804},
-    {"tests", 34012},
+    {"tests", 34015},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

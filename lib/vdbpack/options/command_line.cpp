@@ -138,7 +138,7 @@ std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
         }
         if (!part.partsFile.empty()) fail("parts have no parts of their own");
         if (part.outputs.size() != base.outputs.size() || part.reportFile != base.reportFile ||
-            part.preview.file != base.preview.file || part.seed != base.seed)
+            part.preview.file != base.preview.file || part.study.seeds != base.study.seeds)
             fail(where +
                  "outputs, reports, pictures and the seed are of all parts; give them outside of "
                  "the file");

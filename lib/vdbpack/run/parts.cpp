@@ -108,7 +108,7 @@ std::vector<PackRecipe> recipesOf(const PackRecipe& recipe, LabelledImages& imag
 }
 
 /// Refuses what a part cannot be, names it, and leaves files and pictures to all parts together.
-void settle(std::vector<PackRecipe>& recipes, std::size_t k) {
+void settle(std::vector<PackRecipe>& recipes, std::size_t k, std::uint64_t seed) {
     PackRecipe& recipe = recipes[k];
     checkPartsRecipe(recipe);
     if (recipe.domain.partsBy != PartsBy::none)
@@ -121,6 +121,7 @@ void settle(std::vector<PackRecipe>& recipes, std::size_t k) {
                                  "'; give each a name of its own");
     recipe.preview = {};
     recipe.outputs.clear();
+    recipe.seed = seed;
 }
 
 LabelPlace placeOf(const PackRecipe& recipe, LabelledImages& images) {
@@ -168,7 +169,7 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
     // Labels first, all of an image at once.
     std::vector<LabelPlace> places;
     for (std::size_t k = 0; k < recipes.size(); ++k) {
-        settle(recipes, k);
+        settle(recipes, k, recipe.seed);
         places.push_back(placeOf(recipes[k], images));
     }
     images.makeSurfaces();
