@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 91051},
+    {"lib", 91058},
     {"lib/python", 2034},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
@@ -42,7 +42,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3425},
-    {"lib/vdbpack/run", 6476},
+    {"lib/vdbpack/run", 6483},
     {"tools", 3804},
     {"tests", 34015},
 };

@@ -71,7 +71,7 @@ ul { margin: .3rem 0; padding-left: 1.2rem; }
 std::string pictureFigure(const PagePicture& picture) {
     if (picture.png.empty() && picture.view.empty()) return {};
     std::string out = "<figure class='picture'>\n";
-    // What stands last in the words is for programs: the rows of the scene.
+    // The last clause, the rows of the scene, is for programs.
     const std::string words = escaped(picture.words.substr(0, picture.words.rfind("; scene ")));
     if (!picture.png.empty())
         out +=

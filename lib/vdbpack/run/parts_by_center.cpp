@@ -25,7 +25,7 @@ std::size_t partAt(const std::vector<MeshSides>& parts, const Vec<3>& x, double 
         return k;
     };
     std::size_t part = find(x);
-    // The surfaces of the parts are not smoothed as that of all together is.
+    // Parts have surfaces of their own, which are not smoothed together.
     double away = kFirst * radius;
     for (int round = 0; part == parts.size() && round < kRounds; ++round, away *= kGrowth)
         for (int d = 0; d < 6 && part == parts.size(); ++d) {

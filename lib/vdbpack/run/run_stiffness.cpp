@@ -12,7 +12,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -149,8 +148,14 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
 template <class Counts>
 double shadowOf(const Pack<3>& pack, int axis, double cell, const Counts& counts) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    std::set<std::pair<std::int64_t, std::int64_t>> cells;
     const auto at = [cell](double x) { return static_cast<std::int64_t>(std::floor(x / cell)); };
+    Box<3> box;
+    for (const Sphere<3>& s : pack.spheres) {
+        box.add(s.center - Box<3>::filled(s.radius));
+        box.add(s.center + Box<3>::filled(s.radius));
+    }
+    const std::int64_t left = at(box.lo[u]), low = at(box.lo[v]), rows = at(box.hi[v]) - low + 1;
+    std::vector<std::uint8_t> hidden(static_cast<std::size_t>((at(box.hi[u]) - left + 1) * rows));
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
         const Sphere<3>& s = pack.spheres[i];
         if (!counts(i)) continue;
@@ -159,14 +164,16 @@ double shadowOf(const Pack<3>& pack, int axis, double cell, const Counts& counts
                  ++y) {
                 const double dx = (static_cast<double>(x) + 0.5) * cell - s.center[u],
                              dy = (static_cast<double>(y) + 0.5) * cell - s.center[v];
-                if (dx * dx + dy * dy <= s.radius * s.radius) cells.emplace(x, y);
+                if (dx * dx + dy * dy <= s.radius * s.radius)
+                    hidden[static_cast<std::size_t>((x - left) * rows + y - low)] = 1;
             }
     }
-    return static_cast<double>(cells.size()) * cell * cell;
+    const auto cells = std::count(hidden.begin(), hidden.end(), std::uint8_t{1});
+    return static_cast<double>(cells) * cell * cell;
 }
 
 /// Two grips, and what they hold: as deep as asked, or else four mean radii, and deeper until what
-/// both hold covers `kCovers` of the cross-section: ends may be hollow, as those of vertebrae.
+/// both hold covers `kCovers` of the cross-section: an end may be hollow, such as a vertebra's.
 StiffnessResult::Pressed gripsOn(const StiffnessRecipe& recipe, const Pack<3>& pack, double volume,
                                  const Callbacks& callbacks) {
     constexpr double kCovers = 0.8, kLittle = 0.6, kMostShare = 0.25;
