@@ -149,3 +149,29 @@ TEST_CASE("voids and carve end with the code that fits") {
     CHECK_THAT(far.text, Contains("--target-bvtv") && Contains("0.4"));
     CHECK_FALSE(std::ifstream(folder.file("far.vdb")).good());
 }
+
+TEST_CASE("another run by a recipe keeps the page and the picture of the first") {
+    const TemporaryFolder folder;
+    const std::string page = folder.file("p.json"), picture = folder.file("p.png"),
+                      again = "pack --quiet --config " + folder.file("p.recipe.toml");
+    vdbPack("pack ball:4 --radius constant:0.8 --report " + page + " --preview " + picture +
+            " -o " + folder.file("p.csv"));
+    const std::string first = contentOf(page), drawn = contentOf(picture);
+    REQUIRE(drawn.size() > 1000);
+    const std::string other = again + " --seed 7 -o " + folder.file("q.csv");
+    const auto refused = vdbPack(other);
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.text, Contains("p.json") && Contains("--report"));
+    CHECK(vdbPack(other + " --report " + folder.file("q.json")).code == 2);
+    CHECK(
+        vdbPack(other + " --report " + folder.file("q.json") + " --preview " + folder.file("q.png"))
+            .code == 0);
+    CHECK(contentOf(folder.file("q.json")) != first);
+    CHECK(contentOf(page) == first);
+    CHECK(contentOf(picture) == drawn);
+    CHECK(vdbPack(again).code == 0);
+    std::remove(page.c_str());
+    CHECK(vdbPack(other + " --preview " + folder.file("q.png")).code ==
+          0);  // a template's first use
+    CHECK(!contentOf(page).empty());
+}

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 91058},
+    {"lib", 91120},
     {"lib/python", 2034},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
@@ -36,15 +36,15 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5535},
     {"lib/vdbpack/voids", 7996},
-    {"lib/vdbpack/formats", 9930},
+    {"lib/vdbpack/formats", 9955},
     {"lib/vdbpack/report", 3876},
     {"lib/vdbpack/preview", 3355},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3425},
-    {"lib/vdbpack/run", 6483},
-    {"tools", 3804},
-    {"tests", 34015},
+    {"lib/vdbpack/options", 3453},
+    {"lib/vdbpack/run", 6492},
+    {"tools", 3810},
+    {"tests", 34061},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -4,6 +4,7 @@
 #include "support/test.h"
 #include "support/text_file.h"
 
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
 
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 namespace {
 
@@ -61,6 +63,17 @@ TEST_CASE("an interface has its area and its bonds beside those of the parts") {
     CHECK(mended.report.hash == run.report.hash);
     const std::string table = contentOf(folder.file("interfaces.csv"));
     CHECK_THAT(table, Contains(fmt::format("\nbone,peg,{},", strong.pairs)));
+    // So does a conversion, which has to be given it.
+    ConvertRecipe convert;
+    convert.pack = folder.file("p.vtp");
+    writePack(std::get<Pack<3>>(run.pack), convert.pack);
+    convert.outputs = {"bonds:" + folder.file("again.csv")};
+    const auto loose = runConvert(convert).warnings;
+    REQUIRE(loose.size() == 2);
+    CHECK_THAT(loose.front(), Contains("bone has") && Contains("`interfaceTolerance`"));
+    convert.bonds = recipe.bonds;
+    CHECK(runConvert(convert).warnings.empty());
+    CHECK(contentOf(folder.file("again.csv")) == contentOf(folder.file("bonds.csv")));
     recipe.parts.pop_back();
     recipe = std::move(recipe.parts.front());
     recipe.outputs = {"interfaces:" + folder.file("none.csv")};

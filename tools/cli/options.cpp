@@ -63,6 +63,15 @@ struct Further {
     }
 };
 
+/// `vdb_pack help COMMAND`, as other programs have it.
+void askForHelp(const CLI::App& app, std::vector<std::string>& arguments) {
+    if (arguments.empty() || arguments[0] != "help") return;
+    arguments.erase(arguments.begin());
+    const auto isNamed = [&](const CLI::App* c) { return c->get_name() == arguments[0]; };
+    if (arguments.empty() || !app.get_subcommands(isNamed).empty())
+        arguments.emplace_back("--help");
+}
+
 }  // namespace
 
 std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode) {
@@ -75,10 +84,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     std::vector<Command> commands = addCommands(app, options.print);
     Further further(app, options.print.quiet);
     std::vector<std::string> arguments(argv + 1, argv + argc);
-    if (!arguments.empty() && arguments[0] == "help") {  // as other programs have it
-        arguments.erase(arguments.begin());
-        arguments.emplace_back("--help");
-    }
+    askForHelp(app, arguments);
     const auto refuse = [&](const std::string& message) {
         fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2),
                    printable(withOptionNames(message)));

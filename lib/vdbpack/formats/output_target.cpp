@@ -3,12 +3,15 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/image/label_map.h"
+#include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <vector>
 
 namespace vdbpack {
 
@@ -41,27 +44,48 @@ constexpr Prefix kPrefixes[] = {
     {"labels-solid:", OutputKind::labels, nullptr, "", "solid"},
 };
 
+const Prefix* prefixOf(const std::string& output) {
+    const auto* const p =
+        std::find_if(std::begin(kPrefixes), std::end(kPrefixes),
+                     [&](const Prefix& each) { return startsWith(output, each.text); });
+    return p == std::end(kPrefixes) ? nullptr : p;
+}
+
+/// Refuses what looks like a prefix, but for a letter or two.
+void refuseMisspelt(const std::string& output) {
+    const auto colon = output.find(':');
+    if (colon == std::string::npos || output.find('/') < colon || packPath(output) != output)
+        return;
+    std::vector<std::string> words;
+    for (const Prefix& p : kPrefixes) words.emplace_back(p.text);
+    for (const char* format : {"yade:", "lammps-bonds:"}) words.emplace_back(format);
+    const std::string alike = similarWord(output.substr(0, colon + 1), words);
+    if (!alike.empty())
+        throw ParameterError(output + ": its prefix is none of a format" + alike +
+                             " A file of this name is written as ./" + output);
+}
+
 }  // namespace
 
 OutputTarget::OutputTarget(const std::string& output) : text(output), file(packPath(output)) {
-    for (const Prefix& p : kPrefixes) {
-        if (output.rfind(p.text, 0) != 0) continue;
-        kind = p.kind;
-        file = output.substr(std::string(p.text).size());
-        grid = p.grid;
-        labels = p.labels;
+    if (const Prefix* const p = prefixOf(output)) {
+        kind = p->kind;
+        file = filePart(output);
+        grid = p->grid;
+        labels = p->labels;
         if (file.empty())
             throw ParameterError(output + ": names a format but no file; write " + output + "FILE" +
-                                 (p.extension ? p.extension : ".csv"));
-        if (p.extension && extension() != p.extension)
+                                 (p->extension ? p->extension : ".csv"));
+        if (p->extension && extension() != p->extension)
             throw ParameterError(fmt::format("{}: is written as {} alone; name it {}FILE{}", output,
-                                             p.extension, p.text, p.extension));
-        if (p.kind == OutputKind::labels && !namesLabelMap(file))
+                                             p->extension, p->text, p->extension));
+        if (kind == OutputKind::labels && !namesLabelMap(file))
             throw ParameterError(fmt::format(
                 "{}: label maps are written as .nii, .nii.gz, .nrrd or .mha; name it {}FILE.nii.gz",
-                output, p.text));
+                output, p->text));
         return;
     }
+    refuseMisspelt(output);
     if (extensionOf(output) == ".stl") {
         kind = OutputKind::contour;
         file = output;
@@ -91,7 +115,8 @@ bool OutputTarget::listsPairs() const {
 }
 
 std::string filePart(const std::string& name) {
-    return OutputTarget(name).file;
+    const Prefix* const p = prefixOf(name);
+    return p ? name.substr(std::string(p->text).size()) : packPath(name);
 }
 
 std::string interruptedName(const std::string& name) {

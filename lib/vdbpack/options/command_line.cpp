@@ -183,6 +183,33 @@ std::optional<std::uint64_t> repeatedHash(const Command& command,
     return statedHash(config->as<std::string>());
 }
 
+/// Refuses to write over a page, picture or table that the recipe names, where the words name other
+/// outputs: it shows the pack of the recipe.
+void keepShown(const Command& command, const std::vector<std::string>& words) {
+    const auto named = [&](const std::string& name) {
+        return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+            return word.substr(0, word.find('=')) == optionName(name);
+        });
+    };
+    const CLI::Option* config = command.app->get_parent()->get_config_ptr();
+    const bool elsewhere =
+        named("output") || std::any_of(words.begin(), words.end(), [](const std::string& word) {
+            return startsWith(word, "-o");
+        });
+    if (!elsewhere || config->count() == 0) return;
+    for (const char* name : {"report", "preview", "table"}) {
+        const CLI::Option* const option = command.app->get_option_no_throw(optionName(name));
+        if (option == nullptr || option->count() == 0 || named(name)) continue;
+        const auto file = option->as<std::string>();
+        if (file.empty() || !std::filesystem::exists(file)) continue;
+        throw CLI::ValidationError(
+            fmt::format("`{}`", name),
+            fmt::format("{} is there, and {} names it for other outputs than this run's; give `{}` "
+                        "another name",
+                        file, config->as<std::string>(), name));
+    }
+}
+
 /// Adds the parts file to the recipe as a comment: it may change.
 void addPartsText(PackJob& job) {
     std::ifstream file(job.partsFile);
@@ -193,6 +220,7 @@ void addPartsText(PackJob& job) {
 
 void complete(const Command& command, const std::vector<std::string>& words) {
     requireRelated(command);
+    keepShown(command, words);
     std::visit(
         [&](auto& recipe) {
             DomainRecipe& domain = recipe.domain;

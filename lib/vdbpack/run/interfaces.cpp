@@ -124,6 +124,28 @@ std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance) {
     return pairs;
 }
 
+void warnOfLooseParts(const Pack<3>& pack, const std::vector<Bond>& bonds,
+                      const Callbacks& callbacks) {
+    constexpr std::uint64_t kFewBonds = 10;
+    const Materials materials(pack);
+    if (!materials.hasParts()) return;
+    std::map<std::int32_t, std::uint64_t> joined;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) joined[materials.partOf(i)];
+    for (const Bond& b : bonds)
+        if (const auto p = materials.partOf(b.i), q = materials.partOf(b.j); p != q)
+            ++joined[p], ++joined[q];
+    const std::vector<std::string>& names = partNames(pack);
+    for (const auto& [part, count] : joined) {
+        if (count >= kFewBonds || joined.size() < 2) continue;
+        const auto at = static_cast<std::size_t>(part);
+        callbacks.warn(
+            fmt::format("{} has {} with other parts and carries next to nothing of their load; set "
+                        "`interfaceTolerance` as the run did that packed it, or to what it advised",
+                        at < names.size() ? names[at] : fmt::format("part {}", part),
+                        count == 1 ? "1 bond" : fmt::format("{} bonds", count)));
+    }
+}
+
 void measureInterfaces(const Parts& parts, Run<3>& all) {
     if (all.report.interrupted || all.pack.spheres.empty()) return;
     const auto bonds = bondsIn(all.pack, bondOptionsOf(all.settings));

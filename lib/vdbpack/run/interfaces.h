@@ -8,6 +8,10 @@ namespace vdbpack {
 /// The pairs in contact of a pack whose spheres are in two parts, by their column `kPartColumn`.
 std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance);
 
+/// Warns of parts of a pack that hardly any bond joins to others.
+void warnOfLooseParts(const Pack<3>& pack, const std::vector<Bond>& bonds,
+                      const Callbacks& callbacks);
+
 /// Lists the interfaces between parts in the report of their joined pack, with their bonds (of
 /// `RunSettings::bonds`). Warns, where outputs list pairs, of interfaces with fewer than half as
 /// many bonds per area as a plane through the weaker of their parts cuts.

@@ -1,5 +1,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/io/text.h"
@@ -8,6 +9,7 @@
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/run/given_solid.h"
 #include "vdbpack/run/input_pack.h"
+#include "vdbpack/run/interfaces.h"
 #include "vdbpack/run/run.h"
 
 #include <fmt/format.h>
@@ -92,6 +94,10 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.hash = packHash(pack);
     addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
     keepDensities(pack, pack.spheres.size(), write.particleDensity, write.materialDensity);
+    if constexpr (Dim == 3)
+        if (std::any_of(recipe.outputs.begin(), recipe.outputs.end(),
+                        [](const OutputTarget& output) { return output.listsPairs(); }))
+            warnOfLooseParts(pack, bondsIn(pack, write.bonds), callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
     PreviewOptions preview = recipe.preview;
     preview.space = recipe.domain.space;

@@ -2,15 +2,14 @@
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/bonded_pack.h"
-#include "vdbpack/formats/materials.h"
 #include "vdbpack/run/input_pack.h"
+#include "vdbpack/run/interfaces.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -96,28 +95,6 @@ void warnOfLoose(const std::vector<Bond>& bonds, const BondedBody& body,
                         "`contactTolerance` (of several parts `interfaceTolerance`), or the "
                         "`domain` of the pack",
                         100 * share, body.boundary.empty() ? "one another" : "the boundary"));
-}
-
-/// Warns of parts that hardly any bond joins to others.
-void warnOfLooseParts(const Pack<3>& pack, const std::vector<Bond>& bonds,
-                      const Callbacks& callbacks) {
-    constexpr std::uint64_t kFewBonds = 10;
-    const Materials materials(pack);
-    if (!materials.hasParts()) return;
-    std::map<std::int32_t, std::uint64_t> joined;
-    for (std::size_t i = 0; i < pack.spheres.size(); ++i) joined[materials.partOf(i)];
-    for (const Bond& b : bonds)
-        if (const auto p = materials.partOf(b.i), q = materials.partOf(b.j); p != q)
-            ++joined[p], ++joined[q];
-    const std::vector<std::string>& names = partNames(pack);
-    for (const auto& [part, count] : joined) {
-        if (count >= kFewBonds || joined.size() < 2) continue;
-        const auto at = static_cast<std::size_t>(part);
-        callbacks.warn(fmt::format(
-            "{} has {} bonds with other parts and carries next to nothing of their load; set "
-            "`interfaceTolerance`, as the run that packed it advises",
-            at < names.size() ? names[at] : fmt::format("part {}", part), count));
-    }
 }
 
 /// Solves once. @return the Poisson's ratio of the isotropic average
