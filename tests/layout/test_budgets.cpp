@@ -21,30 +21,30 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 91120},
+    {"lib", 91208},
     {"lib/python", 2034},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
-    {"lib/vdbpack/mesh", 3879},
+    {"lib/vdbpack/mesh", 3880},
     {"lib/vdbpack/verify", 2328},
     {"lib/vdbpack/image", 5703},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2835},
-    {"lib/vdbpack/domain", 6976},
+    {"lib/vdbpack/domain", 6981},
     {"lib/vdbpack/pack", 7732},
     {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5535},
-    {"lib/vdbpack/voids", 7996},
-    {"lib/vdbpack/formats", 9955},
+    {"lib/vdbpack/voids", 8061},
+    {"lib/vdbpack/formats", 9963},
     {"lib/vdbpack/report", 3876},
     {"lib/vdbpack/preview", 3355},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3453},
-    {"lib/vdbpack/run", 6492},
-    {"tools", 3810},
-    {"tests", 34061},
+    {"lib/vdbpack/run", 6501},
+    {"tools", 3841},
+    {"tests", 34084},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

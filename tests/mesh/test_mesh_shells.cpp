@@ -48,9 +48,7 @@ TEST_CASE("a cavity is taken off, whichever way its triangles face") {
 }
 
 TEST_CASE("closed components that intersect are counted by pairs") {
-    const auto count = [](const TriangleMesh& mesh) {
-        return analyzeShells(mesh).intersections.pairs;
-    };
+    const auto count = [](const TriangleMesh& mesh) { return checkMesh(mesh).intersections; };
     const TriangleMesh ball = ballMesh(10, 4);
     CHECK(count(ball) == 0);
     CHECK(count(merged(ball, ballMesh(10, 4, {{20.1, 0, 0}}))) == 0);
@@ -71,9 +69,9 @@ TEST_CASE("closed components that intersect are counted by pairs") {
     CHECK(count(merged(ball, bar)) == 1);
     CHECK(count(merged(flipped(ball), flipped(bar))) == 1);
     // The bar without its part beyond the ball, whose height above y and z is 10 - (y² + z²) / 20.
-    const ShellIntersections entered = analyzeShells(merged(ball, bar)).intersections;
-    CHECK(entered.volume == Approx(4 * (5 - 2.0 / 3 / 20)).epsilon(0.02));
-    CHECK(length(entered.at - Vec<3>{{7.5, 0, 0}}) < 0.1);
+    const MeshHealth entered = checkMesh(merged(ball, bar));
+    CHECK(entered.intersectionVolume == Approx(4 * (5 - 2.0 / 3 / 20)).epsilon(0.02));
+    CHECK(length(entered.intersectionAt - Vec<3>{{7.5, 0, 0}}) < 0.1);
     TriangleMesh bars = boxMesh({{-30, -1, -1}}, {{30, 1, 1}});
     for (int i = -2; i <= 2; ++i)
         bars = merged(bars, boxMesh({{10.0 * i - 0.7, -8, -0.6}}, {{10.0 * i + 0.7, 8, 0.6}}));

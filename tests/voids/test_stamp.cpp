@@ -305,6 +305,31 @@ TEST_CASE("no voxel of a void lies in the shell of a mesh") {
     checkShell<2>(*sliceDomain(ball, 1.2), 0.1, shell);
 }
 
+TEST_CASE("stampings that share what is known of the shell are those that do not") {
+    for (const double deep : {1.1 * 1.5 + 10 * 0.2, 0.5}) {  // the second field ends above it
+        CAPTURE(deep);
+        const auto ball = fieldOf(ballMesh(6, 4), 0.35, deep);
+        auto options = stampOptions<3>(*ball, 0.2, 1.5);
+        options.core = unknownCore<3>();
+        auto alone = options;
+        alone.core = nullptr;
+        const auto voids = anyVoids<3>(60, test::cube<3>(11), 0.5, 2, 0.6, 1.6, 5);
+        for (const std::ptrdiff_t count : {20, 60, 40}) {
+            const std::vector<Ellipsoid<3>> some(voids.begin(), voids.begin() + count);
+            const auto shared = stampVoids(some, *ball, options),
+                       own = stampVoids(some, *ball, alone);
+            CHECK(shared->volume() == own->volume());
+            CHECK(shared->activeVoxels() == own->activeVoxels());
+            StampedVoids<3>::Sampler a(*shared), b(*own);
+            RandomStream random(7, 3);
+            for (int i = 0; i < 5000; ++i) {
+                const Vec<3> x = randomPoint(random, cube<3>(12));
+                REQUIRE(a(x) == b(x));
+            }
+        }
+    }
+}
+
 TEST_CASE("a shell is complete at edges that the field is too coarse for") {
     // Around the cavity distances bend most: the field takes points for deeper than they are.
     const auto mesh =

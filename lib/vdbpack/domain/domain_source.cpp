@@ -208,7 +208,7 @@ DomainSource::DomainSource(TriangleMesh mesh, const std::string& name, double vo
     recipe_.source = name;
     recipe_.voxelSize = voxelSize;
     fileBounds_ = mesh_->bounds();
-    analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
+    analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_, true));
 }
 
 int DomainSource::dim() const {

@@ -27,11 +27,13 @@ std::string formatList(bool written) {
             list += (known.extension ? "." + std::string(known.name)
                                      : known.name + std::string(":FILE")) +
                     ", ";
-    if (!written) return list.substr(0, list.size() - 2);
-    return list +
-           ".svg for circles, .stl, levelsets: or fog:FILE.vdb for surfaces, blender:FILE.py, "
-           "contacts:, bonds:, interfaces:, materials: or list:FILE.csv, labels:FILE.nii.gz";
+    return written ? list + ".svg for circles" : list.substr(0, list.size() - 2);
 }
+
+/// What runs write beside packs.
+constexpr const char* kFurther =
+    ", .stl, levelsets: or fog:FILE.vdb for surfaces, blender:FILE.py, contacts:, bonds:, "
+    "interfaces:, materials: or list:FILE.csv, labels:FILE.nii.gz";
 
 /// @param name  without the dot of an extension.
 const FormatName* formatNamed(const std::string& name) {
@@ -59,14 +61,19 @@ std::optional<PackTarget> knownTarget(const std::string& file) {
     return PackTarget{known->format, file, known->write, known->read};
 }
 
-/// The same; refuses unknown formats. @param written  whether to list those that are written
-PackTarget target(const std::string& file, bool written) {
-    if (auto known = knownTarget(file)) return *std::move(known);
+/// Why a file is refused. @param written  whether to list formats that are written
+std::string unknownFormat(const std::string& file, bool written) {
     std::vector<std::string> extensions;
     for (const auto& known : kFormatNames)
         if (known.extension) extensions.push_back(std::string(".") + known.name);
-    throw ParameterError(file + ": '" + extensionOf(file) + "' is not a pack format" +
-                         similarWord(extensionOf(file), extensions) + "; " + formatList(written));
+    return file + ": '" + extensionOf(file) + "' is not a pack format" +
+           similarWord(extensionOf(file), extensions) + "; " + formatList(written);
+}
+
+/// The same as `knownTarget`; refuses unknown formats.
+PackTarget target(const std::string& file, bool written) {
+    if (auto known = knownTarget(file)) return *std::move(known);
+    throw ParameterError(unknownFormat(file, written));
 }
 
 }  // namespace
@@ -104,6 +111,7 @@ bool holdsSurface(const std::string& file) {
 }
 
 void checkPackFormat(const std::string& file, int dim) {
+    if (!knownTarget(file)) throw ParameterError(unknownFormat(file, true) + kFurther);
     targetToWrite(file, dim);
 }
 

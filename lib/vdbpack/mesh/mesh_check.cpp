@@ -3,6 +3,7 @@
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/mesh/shell_intersections.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -157,9 +158,6 @@ void countEdges(const TriangleMesh& mesh, const EdgeTable& edges, MeshHealth& he
 void countShells(const ShellAnalysis& analysis, MeshHealth& health) {
     health.shells = analysis.shells.size();
     health.enclosedVolume = analysis.enclosedVolume();
-    health.intersections = analysis.intersections.pairs;
-    health.intersectionVolume = analysis.intersections.volume;
-    health.intersectionAt = analysis.intersections.at;
     for (const auto& shell : analysis.shells) {
         health.signedVolume += shell.signedVolume;
         const auto depth = static_cast<std::size_t>(shell.depth);
@@ -190,7 +188,7 @@ std::string MeshHealth::describeIntersections() const {
                        plural(intersections, "pair"), intersectionVolume, text(at));
 }
 
-MeshAnalysis analyzeMesh(const TriangleMesh& mesh) {
+MeshAnalysis analyzeMesh(const TriangleMesh& mesh, bool isContour) {
     MeshAnalysis analysis;
     MeshHealth& health = analysis.health;
     std::size_t collapsed = 0;
@@ -201,6 +199,11 @@ MeshAnalysis analyzeMesh(const TriangleMesh& mesh) {
             countEdges(mesh, edges, health);
             analysis.shells = analyzeShells(mesh, edges);
             countShells(analysis.shells, health);
+            if (isContour) return;
+            const ShellIntersections found = findIntersections(mesh, analysis.shells);
+            health.intersections = found.pairs;
+            health.intersectionVolume = found.volume;
+            health.intersectionAt = found.at;
         },
         [&] { collapsed = measureTriangles(mesh, health); },
         [&] {

@@ -2,7 +2,6 @@
 
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/mesh/edge_table.h"
-#include "vdbpack/mesh/shell_intersections.h"
 #include "vdbpack/mesh/vertical_line.h"
 
 #include <tbb/parallel_sort.h>
@@ -337,7 +336,6 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh, const EdgeTable& edges) {
     measureVolumes(mesh, edges, origins, result);
     sortByVolume(result);
     findNesting(mesh, result);
-    result.intersections = findIntersections(mesh, result);
     return result;
 }
 

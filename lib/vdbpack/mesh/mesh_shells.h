@@ -20,18 +20,9 @@ struct Shell {
     int depth = 0;            ///< number of closed shells that enclose it; odd: it bounds a cavity
 };
 
-/// Pairs of closed shells of which one lies partly inside the other: an edge of one passes through
-/// a triangle of the other. Shells that only touch do not count.
-struct ShellIntersections {
-    std::size_t pairs = 0;
-    double volume = 0;  ///< inside both of a pair, all pairs together, mm³; of points, to some 2 %
-    Vec<3> at;          ///< middle of what the pair with the largest such volume shares, mm
-};
-
 struct ShellAnalysis {
     std::vector<std::uint32_t> shellOfTriangle;  ///< index into `shells`, one per triangle
     std::vector<Shell> shells;                   ///< by decreasing |signedVolume|
-    ShellIntersections intersections;
 
     /// Enclosed volume without cavities, for any orientation of the triangles, mm³:
     /// the sum of (-1)^depth |signedVolume|.
@@ -48,8 +39,7 @@ struct ShellAnalysis {
 /// intersect, the smaller counts as enclosed if most of up to five of its triangles lie inside the
 /// larger.
 ///
-/// Cost: linear in the triangles, except for rays (along z) from five triangles of each shell, and
-/// a tree over the triangles in boxes around other closed shells.
+/// Cost: linear in the triangles, except for rays (along z) from five triangles of each shell.
 /// Volumes are computed relative to a point of the shell, so they lose no digits far from the
 /// origin. The volume of an open shell is computed with every hole closed by a cone from the
 /// centroid of its boundary (exact for plane holes).
@@ -63,7 +53,8 @@ struct MeshAnalysis {
     ShellAnalysis shells;
 };
 /// Both for the cost of `checkMesh` (mesh_check.h).
-MeshAnalysis analyzeMesh(const TriangleMesh& mesh);
+/// @param isContour  of a level set: its shells cannot intersect, and are not compared.
+MeshAnalysis analyzeMesh(const TriangleMesh& mesh, bool isContour = false);
 
 /// The shells of a mesh that lie in no other closed one.
 TriangleMesh outermostShells(const TriangleMesh& mesh, const ShellAnalysis& shells);

@@ -74,6 +74,8 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         }
         if constexpr (Dim == 2) write.frame = have.domain->bounds();
         solid = solidFraction(pack.spheres, *have.domain);
+        if (const std::string axes = axesOf(*source); !axes.empty())
+            write.generator += "; axes " + axes;
     }
     if constexpr (Dim == 3) {
         std::vector<const DomainSource*> sources;

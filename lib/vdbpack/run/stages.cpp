@@ -122,13 +122,17 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
         }
     }
     for (const DomainSource* source : sources)
-        if (source->imageGrid())
-            report.axes = source->recipe().space == ImageSpace::ras ? "RAS" : "LPS";
+        if (source->imageGrid()) report.axes = axesOf(*source);
     // Files that are read beside the domains have its distances of voxels.
     const auto files = voidInputs(voids);
     if (settings.grey.samples.empty() && sizeField.empty() &&
         std::none_of(files.begin(), files.end(), namesImage))
         warnOfUnusedSpacing(settings.outputs, sources, callbacks);
+}
+
+std::string axesOf(const DomainSource& source) {
+    if (!source.imageGrid()) return "";
+    return source.recipe().space == ImageSpace::ras ? "RAS" : "LPS";
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {

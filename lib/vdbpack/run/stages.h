@@ -196,6 +196,9 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
              const VoidRecipe& voids, Report& report, const Callbacks& callbacks,
              bool hasPack = false, const std::string& sizeField = {});
 
+/// The axes of the world of an image, "LPS" or "RAS"; of other domains empty.
+std::string axesOf(const DomainSource& source);
+
 /// The head of a report. @param subject  what the run works on.
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject);
 

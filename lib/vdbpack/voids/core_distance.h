@@ -6,11 +6,36 @@
 #include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/tile_lattice.h"
 
+#include <tbb/concurrent_unordered_map.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <memory>
 
 namespace vdbpack {
+
+/// Exact distances to the core at the voxels of tiles, mm; NaN where they are not known yet.
+/// Threads may ask for different tiles at once.
+template <int Dim>
+class KnownCore {
+public:
+    using Values = std::array<float, kTileVoxels<Dim>>;
+
+    Values& at(std::uint64_t tile) {
+        auto& values = tiles_[tile];
+        if (!values) {
+            values = std::make_unique<Values>();
+            values->fill(std::numeric_limits<float>::quiet_NaN());
+        }
+        return *values;
+    }
+
+private:
+    tbb::concurrent_unordered_map<std::uint64_t, std::unique_ptr<Values>> tiles_;
+};
 
 /// Distances to the part of the domain deeper than the shell (the core), as accurate as voids need.
 template <int Dim>
@@ -21,6 +46,7 @@ public:
           domain_(options.shell.any() && &domain.envelope() != &domain ? domain.sampler()
                                                                        : nullptr),
           shell_(options.shell),
+          known_(options.core.get()),
           h_(options.voxelSize),
           reach_(std::max(kStampBand * options.voxelSize, options.reach)),
           error_(domain.facts().voxelSize),
@@ -45,7 +71,8 @@ public:
     bool inDomain(const Vec<Dim>& x) { return !domain_ || domain_->signedDistance(x) < 0; }
     /// Distance to the core, negative inside; by the exact distance to the wall below the field,
     /// and where a void may come closer to the wall than the field can resolve.
-    double operator()(const Vec<Dim>& x, double toVoid) {
+    /// @param i  voxel of the tile turned to whose center x is.
+    double operator()(const Vec<Dim>& x, double toVoid, std::size_t i) {
         const double field = sampler_->signedDistance(x);
         // Where the core's boundary is too far away to matter, any thickness does.
         const bool far =
@@ -53,25 +80,42 @@ public:
         const double shell = far ? shell_.most() : shell_.at(x);
         const double outside = field + shell;
         if (!(shell > 0 && error_ > 0 && toVoid < h_)) return outside;
-        WallPoint<Dim> wall;
         if (field <= deepest_) {
-            const double reach = shell + kStampBand * h_;
-            return shell - (sampler_->nearestWall(x, reach, wall) ? wall.distance : reach);
+            const double reach = shell_.at(x) + kStampBand * h_;
+            return exact(x, reach, -kStampBand * h_, i);
         }
         // Where the field's lattice is that of the voids, this is the distance itself.
         const DepthRange depth = sampler_->depthRange(x);
         if (depth.least > shell || depth.most < shell)
             return std::clamp(outside, shell - depth.most, shell - depth.least);
-        if (std::fabs(outside) < error_ && field < 0 &&
-            sampler_->nearestWall(x, shell + error_, wall))
-            return shell - wall.distance;
+        if (std::fabs(outside) < error_ && field < 0)
+            return exact(x, shell_.at(x) + error_, outside, i);
         return outside;
+    }
+    /// Turns to a tile, of whose voxels distances are asked for next.
+    void turnTo(std::uint64_t tile) {
+        tile_ = tile;
+        values_ = nullptr;
     }
 
 private:
+    /// By the exact distance to the wall, if that is within `reach`.
+    double exact(const Vec<Dim>& x, double reach, double otherwise, std::size_t i) {
+        if (!values_ && known_) values_ = &known_->at(tile_);
+        if (values_ && !std::isnan((*values_)[i])) return static_cast<double>((*values_)[i]);
+        WallPoint<Dim> wall;
+        const double found =
+            sampler_->nearestWall(x, reach, wall) ? shell_.at(x) - wall.distance : otherwise;
+        if (values_) (*values_)[i] = static_cast<float>(found);
+        return found;
+    }
+
     std::unique_ptr<DomainSampler<Dim>> sampler_;  // of what the shell is measured in
     std::unique_ptr<DomainSampler<Dim>> domain_;   // null: the same
     ShellThickness shell_;
+    KnownCore<Dim>* known_;  // null: nothing is kept
+    std::uint64_t tile_ = 0;
+    typename KnownCore<Dim>::Values* values_ = nullptr;  // of the tile; null: not asked for yet
     double h_, reach_, error_, deepest_;
 };
 

@@ -243,6 +243,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         readListed(s, listed->file, made);
     else
         Maker<Dim>(s, made).run();
+    made.core.reset();
     if (made.list.empty())
         s.callbacks.warn("no void lies in the part of the domain that may have them");
     return made;

@@ -31,6 +31,7 @@ struct MadeVoids {
     std::shared_ptr<const VdbGrid> surface, voids;
     Solid solid;
     VoidReport report;
+    std::shared_ptr<KnownCore<Dim>> core;  ///< while they are made
 
     std::vector<std::shared_ptr<const VdbGrid>> levelSets() const;
 };

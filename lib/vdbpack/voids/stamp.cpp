@@ -56,7 +56,7 @@ std::uint32_t cutAtCore(Tile<Dim>& tile, CoreDistance<Dim>& core, bool takeOut) 
         float& v = tile.values()[i];
         if (v >= (takeOut ? tile.outside() : 0)) continue;
         const Vec<Dim> x = tile.centerOf(i);
-        const auto depth = std::max(v, static_cast<float>(core(x, static_cast<double>(v))));
+        const auto depth = std::max(v, static_cast<float>(core(x, static_cast<double>(v), i)));
         if (takeOut) v = std::min(depth, tile.outside());
         voxels += depth < 0 && core.inDomain(x);
     }
@@ -115,6 +115,7 @@ Stamped stampTile(const std::vector<Ellipsoid<Dim>>& voids, const TileEntry* ent
     Stamped result;
     bool apart = false, cut = false;
     // Without a shell, the core only decides which voxels are counted.
+    core.turnTo(at);
     core.look(middle, radius, options.shell.any() ? inside : 0, outside, apart, cut);
     if (apart) return result;
     Tile<Dim> tile(lattice.firstCenterOf(at), options.voxelSize, inside, outside);
@@ -200,6 +201,11 @@ struct StampedVoids<Dim>::Impl {
         }
     }
 };
+
+template <int Dim>
+std::shared_ptr<KnownCore<Dim>> unknownCore() {
+    return std::make_shared<KnownCore<Dim>>();
+}
 
 template <int Dim>
 StampedVoids<Dim>::StampedVoids() : impl_(std::make_unique<Impl>()) {}
@@ -340,6 +346,7 @@ double StampedVoids<Dim>::Sampler::operator()(const Vec<Dim>& x) {
     template double joinedDistance(const std::vector<const Ellipsoid<Dim>*>&, const Vec<Dim>&, \
                                    const VoidJoin&);                                           \
     template class StampedVoids<Dim>;                                                          \
+    template std::shared_ptr<KnownCore<Dim>> unknownCore();                                    \
     template std::shared_ptr<const StampedVoids<Dim>> stampVoids(                              \
         const std::vector<Ellipsoid<Dim>>&, const Domain<Dim>&, const StampOptions<Dim>&,      \
         const Callbacks&);

@@ -12,6 +12,8 @@
 namespace vdbpack {
 
 template <int Dim>
+class KnownCore;
+template <int Dim>
 class LinearSampler;
 class VdbGrid;
 
@@ -54,7 +56,14 @@ struct StampOptions {
     /// Where its thickness varies, the level set crosses zero where the shell ends; next to it the
     /// distances are off by the slope of the thickness.
     ShellThickness shell{};
+    /// Where the shell ends, kept for further stampings of the same domain, shell and lattice;
+    /// null: it is not.
+    std::shared_ptr<KnownCore<Dim>> core{};
 };
+
+/// Nothing is known yet.
+template <int Dim>
+std::shared_ptr<KnownCore<Dim>> unknownCore();
 
 /// The distance to joined voids at a point, negative inside, mm.
 ///

@@ -125,7 +125,10 @@ StampOptions<Dim> stampOptions(const VoidSetting<Dim>& s, double voxelSize) {
 
 template <int Dim>
 double bvtvOf(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
-    made.stamped = stampVoids(made.list, s.domain, stampOptions(s, voxelSize), s.callbacks);
+    StampOptions<Dim> options = stampOptions(s, voxelSize);
+    if (!made.core || made.report.voxelSize != voxelSize) made.core = unknownCore<Dim>();
+    options.core = made.core;
+    made.stamped = stampVoids(made.list, s.domain, options, s.callbacks);
     made.report.count = made.list.size();
     made.report.voxelSize = voxelSize;
     if (!(made.report.totalVolume > 0)) made.report.totalVolume = totalVolume(s, voxelSize);
