@@ -259,6 +259,8 @@ Shared readFile(const std::string& file, const std::string& unit, const std::str
 }
 
 void writeFile(const Shared& data, const std::string& file, const std::string& unit) {
+    if (OutputTarget(file).kind != OutputKind::pack)
+        throw ParameterError("file " + file + ": is no pack; give it to `convert` as output");
     PackWriteOptions options;
     options.unit = parseUnit(unit);
     options.generator = "vdb_pack " VDBPACK_VERSION;
@@ -325,8 +327,11 @@ PYBIND11_MODULE(_core, m) {
         .def_property_readonly("positions", &positions)
         .def_property_readonly("radii", &radii)
         .def_property_readonly("columns", &columns)
-        .def_property_readonly(
-            "part_names", [](const Shared& data) { return listOf(partNames(data->attributes())); })
+        .def_property(
+            "part_names", [](const Shared& data) { return listOf(partNames(data->attributes())); },
+            [](const Shared& data, std::vector<std::string> names) {
+                std::visit([&](auto& pack) { setPartNames(pack, std::move(names)); }, data->pack);
+            })
         .def("pairs", &pairs, py::arg("tolerance"))
         .def_property_readonly(
             "hash",

@@ -277,3 +277,18 @@ TEST_CASE("recipes that are missing and outputs that cannot be are refused") {
            {"pack bone.xyz -o @p.csv", 3, "bone.xyz"}},
           folder.path());
 }
+
+TEST_CASE("options of all parts are refused in a part") {
+    const TemporaryFolder folder;
+    for (const std::string key :
+         {"bond-modulus = 1e5", "interface-tol = 0.7", "bond-hinged = true", "contact-tol = 0.1",
+          "out-unit = 'm'", "output = 'p.csv'", "seed = 3", "json = true", "table = 't.csv'"}) {
+        CAPTURE(key);
+        const std::string file = folder.file("parts.toml");
+        std::ofstream(file) << "[[part]]\nname = 'a'\ndomain = 'ball:4'\n" + key + "\n";
+        const auto refused = vdbPack("pack --radius constant:1 --parts " + file);
+        CHECK(refused.code == 2);
+        CHECK_THAT(refused.text, Contains("part 'a'") && Contains("is of all parts") &&
+                                     Contains("--" + key.substr(0, key.find(' '))));
+    }
+}

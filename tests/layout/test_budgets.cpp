@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 91208},
-    {"lib/python", 2034},
+    {"lib", 91273},
+    {"lib/python", 2053},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 3880},
@@ -36,15 +36,15 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5535},
     {"lib/vdbpack/voids", 8061},
-    {"lib/vdbpack/formats", 9963},
-    {"lib/vdbpack/report", 3876},
+    {"lib/vdbpack/formats", 9967},
+    {"lib/vdbpack/report", 3887},
     {"lib/vdbpack/preview", 3355},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3453},
-    {"lib/vdbpack/run", 6501},
+    {"lib/vdbpack/options", 3459},
+    {"lib/vdbpack/run", 6526},
     {"tools", 3841},
-    {"tests", 34084},
+    {"tests", 34134},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import pickle
 import signal
 import subprocess
 import sys
@@ -249,3 +250,20 @@ def test_quiet_by_default(capfd):
         vdbpack.pack(vdbpack.box(20, 20, 20), radius=1)
     said = capfd.readouterr()
     assert said.out == "" and said.err == ""
+
+
+def test_a_pack_made_of_arrays_keeps_its_parts(tmp_path):
+    pack = vdbpack.Pack([[0, 0, 0], [3, 0, 0]], [1, 1], part=[0, 1], part_names=["bone", "screw"])
+    pack.write(tmp_path / "p.vtp")
+    for same in (pack, vdbpack.read(tmp_path / "p.vtp"), pickle.loads(pickle.dumps(pack))):
+        assert same.part_names == ["bone", "screw"]
+    with pytest.raises(vdbpack.ParameterError, match="part_names"):
+        vdbpack.Pack([[0, 0, 0]], [1], part_names=["bone"])
+
+
+@pytest.mark.parametrize("name", ["bond:b.csv", "contact:c.csv", "lamps-bonds:b.data", "bonds:b.csv", "s.stl"])
+def test_what_is_no_pack_is_not_written(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(vdbpack.ParameterError, match=name.split(".")[0]):
+        vdbpack.Pack([[0, 0, 0]], [1]).write(name)
+    assert not list(tmp_path.iterdir())

@@ -6,6 +6,7 @@
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/run/run.h"
@@ -141,4 +142,20 @@ TEST_CASE("spheres do not replace the level sets of a .vdb") {
     CHECK_THAT(told.warnings[0], Contains("level sets"));
     CHECK(runConvert(recipeOf(scratch.file("points.csv"), {scratch.file("again.vdb")}))
               .warnings.empty());
+}
+
+TEST_CASE("a conversion warns of another body's domain, and counts the pairs that it lists") {
+    const TemporaryFolder scratch;
+    const auto pack = latticePack<3>(300, {{0, 10, 40}}, 30, 2);
+    writePack(pack, scratch.file("p.vtp"), {});
+    auto recipe = recipeOf(scratch.file("p.vtp"), {"bonds:" + scratch.file("b.csv")});
+    recipe.contactTolerance = recipe.bonds.tolerance = 0.5;
+    const auto alone = runConvert(recipe);
+    CHECK(alone.warnings.empty());
+    CHECK(alone.pairs == listContacts(pack.spheres, 0.5).size());
+    CHECK_THAT(summary(alone), Contains("pairs") && Contains("0.5"));
+    recipe.domain.source = "ball:5";
+    const auto other = runConvert(recipe).warnings;
+    REQUIRE(other.size() == 1);
+    CHECK_THAT(other.front(), Contains("ball:5") && Contains("`space`"));
 }

@@ -66,14 +66,20 @@ class Pack:
 
     Pack(positions, radii, **columns) makes one from arrays: positions of shape (N, 3), or (N, 2)
     for circles; radii of shape (N,); columns of numbers of shape (N,) or lists of N texts. Of them,
-    `id`, `region`, `order`, `depth` and `contacts` have a meaning of their own.
+    `id`, `region`, `order`, `depth` and `contacts` have a meaning of their own; part_names are
+    texts by the numbers in a column `part`.
     """
 
     report: Optional[Report]
     picture: Optional[bytes]
 
     def __init__(
-        self, positions: numpy.typing.ArrayLike, radii: numpy.typing.ArrayLike, **columns: Any
+        self,
+        positions: numpy.typing.ArrayLike,
+        radii: numpy.typing.ArrayLike,
+        *,
+        part_names: Optional[List[str]] = None,
+        **columns: Any,
     ) -> None:
         for name in ("x", "y", "z", "radius", "positions", "radii"):
             if name in columns:
@@ -82,7 +88,12 @@ class Pack:
         if centers.ndim != 2 or centers.shape[1] not in (2, 3):
             raise ParameterError(f"positions: have shape {centers.shape}; (N, 3), or (N, 2) for circles, is needed")
         given = {name: _column(name, values) for name, values in columns.items() if values is not None}
-        self._take(_core.PackData(centers, number_array(radii, "radii"), given))
+        data = _core.PackData(centers, number_array(radii, "radii"), given)
+        if part_names:
+            if "part" not in given:
+                raise ParameterError("part_names: there is no column part that they name; give it too")
+            data.part_names = list(part_names)
+        self._take(data)
 
     @classmethod
     def _of(
@@ -191,7 +202,12 @@ class Pack:
 
     def __reduce__(self) -> Tuple[Any, ...]:
         columns = {k: numpy.array(v) if isinstance(v, numpy.ndarray) else v for k, v in self._columns.items()}
-        state = {"report": self.report, "picture": self.picture, "slice_height": self.slice_height}
+        state = {
+            "report": self.report,
+            "picture": self.picture,
+            "slice_height": self.slice_height,
+            "part_names": self.part_names,
+        }
         return _rebuilt, (numpy.array(self.positions), numpy.array(self.radii), columns, state)
 
     def write(self, file: Path, unit: str = "mm") -> None:
@@ -300,6 +316,7 @@ class Voids:
 
 def _rebuilt(positions: Floats, radii: Floats, columns: Dict[str, Any], state: Dict[str, Any]) -> Pack:
     data = _core.PackData(positions, radii, columns, state["slice_height"] or 0.0)
+    data.part_names = state["part_names"]
     return Pack._of(data, state["report"], state["picture"] or b"")
 
 
@@ -320,9 +337,6 @@ def write(pack: Pack, file: Path, unit: str = "mm") -> None:
     name = os.fsdecode(file)
     if not isinstance(unit, str):
         raise ParameterError(f"unit: {type(unit).__name__} is no unit; give m, cm, mm or um")
-    if name.split(":")[0] in ("contacts", "bonds", "bond-coeffs", "interfaces", "materials", "list", "labels", "blender",
-                              "surface", "solid"):
-        raise ParameterError(f"file {name}: is no pack; give it to `convert` as output")
     _core.write(pack._data, name, unit)
 
 

@@ -18,6 +18,10 @@ namespace vdbpack {
 
 template <int Dim>
 std::vector<Contact> bondedPairs(const Pack<Dim>& pack, const BondOptions& options) {
+    if (!(options.interfaceTolerance >= 0 && options.interfaceTolerance <= 1))
+        throw ParameterError(
+            fmt::format("`interfaceTolerance` {}: must be a share of a radius, 0 to 1",
+                        options.interfaceTolerance));
     const Materials materials(pack);
     const double across = std::max(options.tolerance, options.interfaceTolerance);
     auto pairs =

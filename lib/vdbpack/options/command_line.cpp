@@ -108,6 +108,12 @@ Command commandIn(CLI::App& app, const CommandText& text, PrintOptions& print,
     return command;
 }
 
+/// Whether parts share an option: it says what is done with all of their spheres.
+bool isOfRun(const Option& option) {
+    return option.group == "Output" || option.group == "Bonds" || option.group == "Run" ||
+           option.name == "out-unit";
+}
+
 /// The parts of a parts file: each has the options of the command line but for its own.
 /// @param base  those options, without a domain.
 std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
@@ -137,11 +143,11 @@ std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
             fail(where + e.what());
         }
         if (!part.partsFile.empty()) fail("parts have no parts of their own");
-        if (part.outputs.size() != base.outputs.size() || part.reportFile != base.reportFile ||
-            part.preview.file != base.preview.file || part.study.seeds != base.study.seeds)
-            fail(where +
-                 "outputs, reports, pictures and the seed are of all parts; give them outside of "
-                 "the file");
+        for (const Option& option : command.options)
+            if (isOfRun(option) && command.app->get_option(optionName(option.name))->count() > 0)
+                fail(fmt::format("{}`{}` is of all parts; give it outside of the file{}", where,
+                                 option.name,
+                                 option.name == "bond-modulus" ? ", or the part a `modulus`" : ""));
         parts.push_back(std::move(part));
     }
     return parts;

@@ -119,6 +119,7 @@ nlohmann::ordered_json toJson(const ConvertResult& result) {
     nlohmann::ordered_json json{{"version", VDBPACK_VERSION}, {"kind", result.kind}};
     if (result.count > 0) json["count"] = result.count;
     if (result.hash != 0) json["hash"] = hashText(result.hash);
+    if (result.pairs) json["pairs"] = *result.pairs;
     json["found"] = toJson(result.found);
     json["files"] = result.files;
     json["warnings"] = result.warnings;
@@ -133,6 +134,13 @@ std::string summary(const ConvertResult& result) {
                                                         result.kind, result.count)
                                           : fmt::format("read       {} {}\n", a, result.kind);
     text += foundRows(result.found);
+    if (result.pairs)
+        text +=
+            fmt::format("pairs      {} with gaps up to {:g} of the smaller radius{}\n",
+                        *result.pairs, result.tolerance,
+                        result.interfaceTolerance > result.tolerance
+                            ? fmt::format(", between parts up to {:g}", result.interfaceTolerance)
+                            : "");
     for (const std::string& file : result.files) text += fmt::format("written    {}\n", file);
     return text;
 }

@@ -111,6 +111,9 @@ struct ConvertResult {
     std::string kind;         ///< "spheres", "circles", "level set", "mesh", "image" or "shape"
     std::uint64_t count = 0;  ///< spheres, circles or triangles; of level sets and shapes 0
     std::uint64_t hash = 0;   ///< of a pack, in mm
+    /// Pairs that outputs list, and the gaps up to which they are bonded, in smaller radii.
+    std::optional<std::uint64_t> pairs;
+    double tolerance = 0, interfaceTolerance = 0;
     FoundValues found;
     std::vector<std::string> files, warnings;
 };

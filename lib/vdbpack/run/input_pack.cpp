@@ -99,6 +99,20 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
     return pack;
 }
 
+bool warnOfOutside(const std::vector<double>& depths, const std::string& domain,
+                   const Callbacks& callbacks) {
+    constexpr double kMostOutside = 0.01;
+    const auto outside =
+        std::count_if(depths.begin(), depths.end(), [](double d) { return d > 0; });
+    if (static_cast<double>(outside) <= kMostOutside * static_cast<double>(depths.size()))
+        return false;
+    callbacks.warn(
+        fmt::format("{} of {} spheres have their center outside of {}, which is another body's "
+                    "domain; check `domain`, `label`, `mask`, `space` and units",
+                    outside, depths.size(), domain));
+    return true;
+}
+
 void requireDomain(const InputPack& recipe) {
     const DomainRecipe& d = recipe.domain;
     if (!d.source.empty()) return;

@@ -39,6 +39,11 @@ DomainRecipe domainOf(const InputPack& recipe, const Pack<3>& pack);
 std::optional<DomainSource> domainAround(const DomainRecipe& recipe, int dim,
                                          const Callbacks& callbacks);
 
+/// Warns of a domain that is another body's than the spheres': centers lie outside of it.
+/// @param depths  signed distances of all centers. @return whether it did
+bool warnOfOutside(const std::vector<double>& depths, const std::string& domain,
+                   const Callbacks& callbacks);
+
 /// Builds the domain of a pack of so many spheres, if there is one and memory suffices.
 /// @param reach  as in DomainSource::build. @throws ResourceError, and as DomainSource::build
 DomainSource::Built buildAround(const std::optional<DomainSource>& source, int dim,

@@ -46,6 +46,19 @@ void checkWithoutDomain(const ConvertRecipe& recipe, const Callbacks& callbacks)
     }
 }
 
+/// Counts the pairs that outputs list, and warns of parts that they hardly join.
+void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptions& options,
+               ConvertResult& result, const Callbacks& callbacks) {
+    if (std::none_of(recipe.outputs.begin(), recipe.outputs.end(),
+                     [](const OutputTarget& output) { return output.listsPairs(); }))
+        return;
+    const auto bonds = bondsIn(pack, options);
+    warnOfLooseParts(pack, bonds, callbacks);
+    result.pairs = bonds.size();
+    result.tolerance = options.tolerance;
+    result.interfaceTolerance = options.interfaceTolerance;
+}
+
 template <int Dim>
 void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& result,
                  const Callbacks& callbacks) {
@@ -74,7 +87,11 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         }
         if constexpr (Dim == 2) write.frame = have.domain->bounds();
         solid = solidFraction(pack.spheres, *have.domain);
-        if (const std::string axes = axesOf(*source); !axes.empty())
+        std::vector<Vec<Dim>> centers;
+        for (const auto& s : pack.spheres) centers.push_back(s.center);
+        const auto depths = have.domain->signedDistances(centers);
+        const std::string axes = axesOf(*source);
+        if (!warnOfOutside(depths, describe(recipe.domain), callbacks) && !axes.empty())
             write.generator += "; axes " + axes;
     }
     if constexpr (Dim == 3) {
@@ -96,10 +113,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.hash = packHash(pack);
     addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
     keepDensities(pack, pack.spheres.size(), write.particleDensity, write.materialDensity);
-    if constexpr (Dim == 3)
-        if (std::any_of(recipe.outputs.begin(), recipe.outputs.end(),
-                        [](const OutputTarget& output) { return output.listsPairs(); }))
-            warnOfLooseParts(pack, bondsIn(pack, write.bonds), callbacks);
+    if constexpr (Dim == 3) notePairs(recipe, pack, write.bonds, result, callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
     PreviewOptions preview = recipe.preview;
     preview.space = recipe.domain.space;

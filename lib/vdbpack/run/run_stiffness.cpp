@@ -55,15 +55,7 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
             depths.push_back(wall);
         }
     }
-    constexpr double kMostOutside = 0.01;
-    const auto outside =
-        std::count_if(depths.begin(), depths.end(), [](double d) { return d > 0; });
-    if (source && static_cast<double>(outside) > kMostOutside * static_cast<double>(depths.size()))
-        callbacks.warn(
-            fmt::format("{} of {} spheres have their center outside of {}, so that volume and "
-                        "cross-section are "
-                        "another body's; check `domain`, `label`, `mask` and units",
-                        outside, depths.size(), result.body));
+    if (source) warnOfOutside(depths, result.body, callbacks);
     const bool repeats = pack.cell.isAlong(0) && pack.cell.isAlong(1) && pack.cell.isAlong(2);
     body.boundary.assign(repeats ? 0 : centers.size(), 0);
     for (std::size_t i = 0; i < body.boundary.size(); ++i) {

@@ -90,7 +90,7 @@ void measureShell(const VoidSetting<Dim>& s, const ShellThickness& shell, const 
     report.across = thickness / (2 * mean / static_cast<double>(cortical));
     if (*report.across < 3)
         s.callbacks.warn(
-            fmt::format("the shell of {:.4g} mm is only {:.2g} {} thick; give smaller radii or a "
+            fmt::format("the shell of {:.4g} mm is only {:.1f} {} thick; give smaller radii or a "
                         "thicker shell, for a thickness of three or more",
                         thickness, *report.across, Measure<Dim>::kSpheres));
 }
