@@ -175,3 +175,18 @@ TEST_CASE("another run by a recipe keeps the page and the picture of the first")
           0);  // a template's first use
     CHECK(!contentOf(page).empty());
 }
+
+TEST_CASE("a run beside another of the same name keeps that one's recipe") {
+    const TemporaryFolder folder;
+    const std::string first = folder.file("p.recipe.toml"),
+                      second = folder.file("p.csv.recipe.toml");
+    vdbPack("pack ball:4 --radius constant:0.8 -o " + folder.file("p.vtp"));
+    const std::string kept = contentOf(first);
+    vdbPack("pack ball:5 --radius constant:0.8 -o " + folder.file("p.csv"));
+    CHECK(contentOf(first) == kept);
+    CHECK_THAT(contentOf(second), Contains("ball:5"));
+    vdbPack("pack --config " + second);
+    CHECK(contentOf(first) == kept);
+    vdbPack("pack ball:6 --radius constant:0.8 -o " + folder.file("p.vtp"));
+    CHECK_THAT(contentOf(first), Contains("ball:6"));
+}

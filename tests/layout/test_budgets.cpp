@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 91273},
+    {"lib", 91300},
     {"lib/python", 2053},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
@@ -41,10 +41,10 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/preview", 3355},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3459},
+    {"lib/vdbpack/options", 3486},
     {"lib/vdbpack/run", 6526},
     {"tools", 3841},
-    {"tests", 34134},
+    {"tests", 34149},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

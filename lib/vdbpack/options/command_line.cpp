@@ -202,7 +202,7 @@ void keepShown(const Command& command, const std::vector<std::string>& words) {
         named("output") || std::any_of(words.begin(), words.end(), [](const std::string& word) {
             return startsWith(word, "-o");
         });
-    if (!elsewhere || config->count() == 0) return;
+    if (!elsewhere || config == nullptr || config->count() == 0) return;
     for (const char* name : {"report", "preview", "table"}) {
         const CLI::Option* const option = command.app->get_option_no_throw(optionName(name));
         if (option == nullptr || option->count() == 0 || named(name)) continue;

@@ -6,10 +6,12 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <toml++/toml.h>
 
 #include <algorithm>
 #include <climits>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <utility>
 
@@ -54,6 +56,28 @@ bool isUtf8(const std::string& text) {
     }
 }
 
+/// Whether a recipe is there whose run wrote none of these outputs.
+bool isOfOthers(const std::string& file, const std::vector<OutputTarget>& outputs,
+                const std::string& task) {
+    const auto nameOf = [](const std::string& output) {
+        return std::filesystem::path(filePart(output)).filename();
+    };
+    const auto isOurs = [&](const toml::node& node) {
+        return std::any_of(outputs.begin(), outputs.end(), [&](const OutputTarget& output) {
+            return nameOf(node.value_or(std::string())) == nameOf(output.text);
+        });
+    };
+    try {
+        const toml::table all = toml::parse_file(file);
+        const auto stated = all[task]["output"];
+        if (const toml::array* const list = stated.as_array())
+            return std::none_of(list->begin(), list->end(), isOurs);
+        return stated.node() != nullptr && !isOurs(*stated.node());
+    } catch (const toml::parse_error&) {
+        return false;  // none is there, or none that can be read
+    }
+}
+
 }  // namespace
 
 std::string recipeFileText(const std::string& toml, const std::string& file, const Report& report) {
@@ -85,8 +109,10 @@ std::optional<std::uint64_t> statedHash(const std::string& file) {
 
 void leaveRecipe(const std::string& toml, const std::vector<OutputTarget>& outputs, Report& report,
                  const Callbacks& callbacks) {
-    const std::string file = recipeFileFor(outputs);
+    std::string file = recipeFileFor(outputs);
     if (toml.empty() || file.empty()) return;
+    if (isOfOthers(file, outputs, report.task))
+        file = filePart(outputs.front().text) + ".recipe.toml";
     std::string text = recipeFileText(toml, file, report);
     if (!isUtf8(text)) {
         callbacks.warn(

@@ -20,10 +20,11 @@ std::string recipeFileText(const std::string& toml, const std::string& file, con
 /// The hash that a file which `leaveRecipe` wrote states; nothing if there is none.
 std::optional<std::uint64_t> statedHash(const std::string& file);
 
-/// Writes the recipe beside the first output, adds it to `report.files` and keeps it in
-/// `report.recipe`. A file of that name that is no such recipe stays, with a warning, and names
-/// that are not UTF-8 are in no recipe, with another. Nothing is done where there are no outputs or
-/// no options.
+/// Writes the recipe beside the first output, as NAME.recipe.toml, or, where that is the recipe of
+/// other outputs, with their extension too, as NAME.EXT.recipe.toml. Adds it to `report.files` and
+/// keeps it in `report.recipe`. A file of that name that is no such recipe stays, with a warning,
+/// and names that are not UTF-8 are in no recipe, with another. Nothing is done where there are no
+/// outputs or no options.
 /// @throws IoError
 void leaveRecipe(const std::string& toml, const std::vector<OutputTarget>& outputs, Report& report,
                  const Callbacks& callbacks);
