@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 91300},
+    {"lib", 91314},
     {"lib/python", 2053},
     {"lib/vdbpack/core", 2488},
     {"lib/vdbpack/io", 2961},
@@ -37,14 +37,14 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/measure", 5535},
     {"lib/vdbpack/voids", 8061},
     {"lib/vdbpack/formats", 9967},
-    {"lib/vdbpack/report", 3887},
+    {"lib/vdbpack/report", 3899},
     {"lib/vdbpack/preview", 3355},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3486},
-    {"lib/vdbpack/run", 6526},
+    {"lib/vdbpack/run", 6528},
     {"tools", 3841},
-    {"tests", 34149},
+    {"tests", 34150},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

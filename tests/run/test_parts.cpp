@@ -210,6 +210,7 @@ TEST_CASE("a file lists parts with options of their own") {
     const auto json = nlohmann::json::parse(contentOf(report));
     REQUIRE(json["parts"].size() == 2);
     CHECK(json["parts"][0]["name"] == "bone");
+    CHECK(json["parts"][0]["densities"] == nlohmann::json{{"0", 1900.0}, {"1", 900.0}});
     CHECK(json["parts"][0]["requested"] == "uniform:0.5,1");
     CHECK(json["parts"][1]["requested"] == "constant:0.9");
     // Regions of each part are materials of their own.

@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,7 @@ struct PartReport {
     std::optional<double> bvtv;      ///< if voids were cut
     double protrusion = 0;           ///< largest, of its own wall, in radii
     double density = 0;              ///< of its spheres, kg/m³; 0: none is given, or one by region
+    std::map<std::int32_t, double> densities{};  ///< by region, kg/m³; empty: one, or none
 };
 
 /// All fields of the JSON report; lengths in mm, 2D: area for volume, circles for spheres.

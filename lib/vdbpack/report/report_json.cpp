@@ -66,6 +66,13 @@ Json massOffsetJson(const Report& r) {
     return {{"axes", axes}, {"length", r.massOffset->length}, {"share", r.massOffset->share}};
 }
 
+Json densitiesJson(const PartReport& part) {
+    Json densities;  // null: none by region
+    for (const auto& [region, density] : part.densities)
+        densities[std::to_string(region)] = density;
+    return densities;
+}
+
 Json densifiedJson(const Report& r) {
     if (!r.densified) return {};
     const Report::Densified& d = *r.densified;
@@ -204,7 +211,8 @@ nlohmann::ordered_json toJson(const Report& r) {
                  {"interior", orNull(p.interior)},
                  {"bvtv", orNull(p.bvtv)},
                  {"protrusion", p.protrusion},
-                 {"density", p.density > 0 ? Json(p.density) : Json()}});
+                 {"density", p.density > 0 ? Json(p.density) : Json()},
+                 {"densities", densitiesJson(p)}});
         json["contacts"]["betweenParts"] = r.contactsBetweenParts;
         for (const InterfaceReport& i : r.interfaces)
             json["interfaces"].push_back({{"parts", i.parts},

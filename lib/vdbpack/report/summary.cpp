@@ -133,6 +133,8 @@ void addParts(Summary& out, const Report& r) {
                                        grouped(p.count), p.solidFraction, p.volume);
         if (p.bvtv) text += fmt::format(", BV/TV {:.4f}", *p.bvtv);
         if (p.density > 0) text += fmt::format(", {:g} kg/m³", p.density);
+        for (const auto& [region, density] : p.densities)
+            text += fmt::format(", region {} {:g} kg/m³", region, density);
         if (!p.requested.empty() && r.requested != p.requested) text += ", " + p.requested;
         out.line(&p == &r.parts.front() ? "parts" : "", text);
     }

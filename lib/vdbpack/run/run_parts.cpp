@@ -176,7 +176,9 @@ private:
         one.interior = r.solidFractionInterior;
         if (r.voids) one.bvtv = r.voids->bvtv;
         if (r.protrusion) one.protrusion = r.protrusion->max;
-        one.density = particleDensity(recipe.density, r.solidFractionTotal).all;
+        const SphereDensity density = particleDensity(recipe.density, r.solidFractionTotal);
+        one.density = density.all;
+        one.densities = density.ofRegions;
         return one;
     }
     void addDomain(const DomainFacts& domain) {
