@@ -263,9 +263,13 @@ void writeFile(const Shared& data, const std::string& file, const std::string& u
         throw ParameterError("file " + file + ": is no pack; give it to `convert` as output");
     PackWriteOptions options;
     options.unit = parseUnit(unit);
-    options.generator = "vdb_pack " VDBPACK_VERSION;
     const py::gil_scoped_release released;
-    std::visit([&](const auto& pack) { writePack(pack, file, options); }, data->pack);
+    std::visit(
+        [&](const auto& pack) {
+            options.generator = generatorWith("vdb_pack " VDBPACK_VERSION, pack.axes);
+            writePack(pack, file, options);
+        },
+        data->pack);
 }
 
 /// Pairs in contact: their indices, (M, 2), and their gaps, mm.

@@ -11,8 +11,9 @@ TEST_CASE("only the prefix of a format is cut from the name of a file") {
     REQUIRE(filePart("YADE:f.txt") == "f.txt");
     REQUIRE(filePart("monday:f.vtp") == "monday:f.vtp");
     REQUIRE(filePart("box:1,2,3") == "box:1,2,3");
-    for (const char* misspelt : {"bond:b.csv", "contact:c.csv", "label:l.nii", "interface:i.csv",
-                                 "lammps-bond:b.data", "bond-coefs:b.lmp", "Yede:y.txt"}) {
+    for (const char* misspelt :
+         {"bond:b.csv", "contact:c.csv", "label:l.nii", "interface:i.csv", "lammps-bond:b.data",
+          "bond-coefs:b.lmp", "Yede:y.txt", "point:p.vdb"}) {
         CAPTURE(misspelt);
         REQUIRE_THROWS_WITH(OutputTarget(misspelt), Contains("did you mean"));
         REQUIRE(filePart(misspelt) == misspelt);

@@ -53,6 +53,25 @@ TEST_CASE("a pack through every format and back is the same doubles") {
     REQUIRE(readPack(scratch.file("h.vdb")).spheres == pack.spheres);
 }
 
+TEST_CASE("a pack keeps the axes of its patient from file to file") {
+    const TemporaryFolder scratch;
+    PackWriteOptions options;
+    options.generator = generatorWith("a program", "RAS");
+    std::string from = scratch.file("first.vtp");
+    writePack(latticePack<3>(20, {{0, 10, 40}}, 30, 2), from, options);
+    for (const std::string to : {"a.npz", "b.xyz", "c.pvtp", "d.vtkhdf", "e.vdb", "f.data"}) {
+        CAPTURE(from, to);
+        runConvert(recipeOf(from, {scratch.file(to)}));
+        from = scratch.file(to);
+        CHECK(readPack(from).axes == "RAS");
+    }
+    runConvert(recipeOf(from, {scratch.file("g.csv")}));
+    CHECK(readPack(scratch.file("g.csv")).axes.empty());
+    options.generator = "another; axes up";
+    writePack(latticePack<3>(20, {{0, 10, 40}}, 30, 2), from, options);
+    CHECK(readPack(from).axes.empty());
+}
+
 TEST_CASE("circles stay circles") {
     const TemporaryFolder scratch;
     auto pack = latticePack<2>(50, {{0, 10}}, 30, 2);
@@ -152,8 +171,19 @@ TEST_CASE("a conversion warns of another body's domain, and counts the pairs tha
     recipe.contactTolerance = recipe.bonds.tolerance = 0.5;
     const auto alone = runConvert(recipe);
     CHECK(alone.warnings.empty());
+    CHECK_FALSE(alone.density);
     CHECK(alone.pairs == listContacts(pack.spheres, 0.5).size());
     CHECK_THAT(summary(alone), Contains("pairs") && Contains("0.5"));
+    auto soft = pack;
+    soft.columns.push_back({"modulus_MPa", std::vector<double>(300), {}, {}});
+    writePack(soft, scratch.file("soft.vtp"), {});
+    auto contacts = recipeOf(scratch.file("soft.vtp"), {"contacts:" + scratch.file("c.csv")});
+    contacts.contactTolerance = contacts.bonds.tolerance = 0.5;
+    CHECK(runConvert(contacts).pairs == alone.pairs);
+    recipe.outputs = {scratch.file("p.data")};
+    const auto heavy = runConvert(recipe);
+    CHECK(heavy.density == kDefaultDensity);
+    CHECK_THAT(summary(heavy), Contains("1000 kg/m³"));
     recipe.domain.source = "ball:5";
     const auto other = runConvert(recipe).warnings;
     REQUIRE(other.size() == 1);

@@ -253,6 +253,7 @@ TEST_CASE("distances of voxels that change nothing are named by every command") 
         CAPTURE(pack, domain);
         auto recipe = onPack<MeasureRecipe>(pack, domain);
         recipe.domain.voxelSpacing = spacing;
+        recipe.domain.voxelSize = 0.5;
         std::string warned;
         runMeasure(recipe, hearing(warned));
         CHECK_THAT(warned, Contains("`voxelSpacing` 2") && Contains(why));

@@ -39,6 +39,7 @@ struct Pack : PackAttributes {
     std::vector<Sphere<Dim>> spheres;
     double sliceHeight = 0;    ///< 2D: the z written for every circle, mm
     PeriodicCell<Dim> cell{};  ///< in which they repeat; by default they do not
+    std::string axes{};        ///< of a patient: LPS or RAS; empty: none are stated
 };
 
 /// Calls `visit(name, values)` for each attribute but the id, empty or not, in the order in which

@@ -82,12 +82,7 @@ public:
     // inaccurate for that, it is repeated with the full reach.
     bool nearestWall(const Vec<3>& x, double reach, WallPoint<3>& wall) override {
         const double guess = std::abs(signedDistance(x)) + slack_;
-        if (guess < reach) {
-            if (bins_.nearest(x, guess, wall)) return true;
-        } else if (const DepthRange depth = field_.depthRange(x);
-                   depth.least >= reach || depth.most <= -reach) {
-            return false;
-        }
+        if (guess < reach && bins_.nearest(x, guess, wall)) return true;
         return bins_.nearest(x, reach, wall);
     }
 

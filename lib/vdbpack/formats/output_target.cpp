@@ -56,9 +56,8 @@ void refuseMisspelt(const std::string& output) {
     const auto colon = output.find(':');
     if (colon == std::string::npos || output.find('/') < colon || packPath(output) != output)
         return;
-    std::vector<std::string> words;
+    std::vector<std::string> words = packPrefixes();
     for (const Prefix& p : kPrefixes) words.emplace_back(p.text);
-    for (const char* format : {"yade:", "lammps-bonds:"}) words.emplace_back(format);
     const std::string alike = similarWord(output.substr(0, colon + 1), words);
     if (!alike.empty())
         throw ParameterError(output + ": its prefix is none of a format" + alike +

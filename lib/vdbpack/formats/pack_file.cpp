@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/formats/pack_target.h"
@@ -17,6 +18,8 @@
 namespace vdbpack {
 
 namespace {
+
+constexpr std::string_view kAxesWord = "; axes ";
 
 /// Whether a program that reads the format repeats the cell itself.
 bool isOfSimulation(PackFormat format) {
@@ -56,6 +59,17 @@ template void checkPack<3>(const Pack<3>&);
 double pointVoxelSize(double count, double measure, int dim) {
     if (!(count > 0) || !(measure > 0) || !std::isfinite(measure / count)) return 1;
     return std::exp2(std::round(std::log2(8 * measure / count) / dim));
+}
+
+std::string generatorWith(const std::string& program, const std::string& axes) {
+    return axes.empty() ? program : program + std::string(kAxesWord) + axes;
+}
+
+std::string axesIn(std::string_view generator) {
+    const auto at = generator.find(kAxesWord);
+    if (at == std::string_view::npos) return "";
+    const std::string_view axes = generator.substr(at + kAxesWord.size(), 3);
+    return axes == "LPS" || axes == "RAS" ? std::string(axes) : "";
 }
 
 template <int Dim>
@@ -129,6 +143,7 @@ Pack<2> asCircles(const Pack<3>& pack) {
         circles.spheres.push_back({{{s.center[0], s.center[1]}}, s.radius});
     }
     static_cast<PackAttributes&>(circles) = pack;
+    circles.axes = pack.axes;
     for (int d = 0; d < 2 && pack.cell.any(); ++d) {
         circles.cell.wraps[static_cast<std::size_t>(d)] = pack.cell.isAlong(d);
         circles.cell.box.lo[d] = pack.cell.box.lo[d];

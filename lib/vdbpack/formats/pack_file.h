@@ -108,6 +108,15 @@ void checkPackFormat(const std::string& file, int dim = 0);
 /// (`PackWriteOptions::surface`).
 bool holdsSurface(const std::string& file);
 
+/// Whether it has the mass of each sphere, or its density.
+bool holdsMasses(const std::string& file);
+
+/// The generator of files in the axes of a patient: "vdb_pack 1.0; axes LPS".
+std::string generatorWith(const std::string& program, const std::string& axes);
+
+/// The prefixes that name formats of packs ("yade:").
+std::vector<std::string> packPrefixes();
+
 /// The path in a name: what follows the prefix of a format ("yade:f.txt"), else all of it. @throws
 /// ParameterError for a prefix without a file
 std::string packPath(const std::string& file);

@@ -78,6 +78,13 @@ PackTarget target(const std::string& file, bool written) {
 
 }  // namespace
 
+std::vector<std::string> packPrefixes() {
+    std::vector<std::string> prefixes;
+    for (const FormatName& known : kFormatNames)
+        if (!known.extension) prefixes.push_back(known.name + std::string(":"));
+    return prefixes;
+}
+
 PackTarget targetToWrite(const std::string& file, int dim) {
     PackTarget t = target(file, true);
     if (!isWritten(t))
@@ -108,6 +115,12 @@ std::string packPath(const std::string& file) {
 bool holdsSurface(const std::string& file) {
     const auto known = knownTarget(file);
     return known && (known->format == PackFormat::usd || known->format == PackFormat::usdz);
+}
+
+bool holdsMasses(const std::string& file) {
+    const auto known = knownTarget(file);
+    return known &&
+           (known->format == PackFormat::lammpsData || known->format == PackFormat::lammpsBonds);
 }
 
 void checkPackFormat(const std::string& file, int dim) {

@@ -48,7 +48,7 @@ public:
 
     Pack<3> read() {
         describeArrays();
-        takeUnit();
+        takeNotes();
         chooseColumns();
         return readRows();
     }
@@ -87,12 +87,19 @@ private:
 
     void load(Array& array) { array.take(zip_.content(array.member)); }
 
-    void takeUnit() {
+    void takeNotes() {
         for (Array& a : arrays_) {
-            if (a.name() != kUnitKey || !a.isText() || !a.shape().empty()) continue;
-            if (a.member.size > kLongestHeader) fail("its unit is no word; use m, cm, mm or um");
+            const bool isUnit = a.name() == kUnitKey;
+            if ((!isUnit && a.name() != kGeneratorKey) || !a.isText() || !a.shape().empty())
+                continue;
+            if (isUnit && a.member.size > kLongestHeader)
+                fail("its unit is no word; use m, cm, mm or um");
+            if (a.member.size > kLongestHeader) continue;
             load(a);
-            options_.unit = unitNamed(a.text(0), path_);
+            if (isUnit)
+                options_.unit = unitNamed(a.text(0), path_);
+            else
+                axes_ = axesIn(a.text(0));
         }
     }
 
@@ -180,6 +187,7 @@ private:
         builder.addRows(rows_, puts, "row");
         Pack<3> pack = builder.finish();
         setPartNames(pack, partNamesIn());
+        pack.axes = axes_;
         return pack;
     }
 
@@ -198,6 +206,7 @@ private:
     std::string path_;
     ZipArchive zip_;
     PackReadOptions options_;  ///< with the unit of the file
+    std::string axes_;         ///< that its generator states
     std::vector<Array> arrays_;
     std::uint64_t rows_ = 0;
     std::vector<Source> columns_;

@@ -89,6 +89,8 @@ public:
         if (const auto texts = noted(kCellKey, kLongestCell); !texts.empty())
             cell_ = cellIn(texts[0], options_.unit, xml_.path());
         partNames_ = noted(kPartNamesKey, kLongestName);
+        if (const auto texts = noted(kGeneratorKey, kLongestText); !texts.empty())
+            axes_ = axesIn(texts[0]);
         const auto pieces = piecesOf();
         const auto filled = std::find_if(pieces.begin(), pieces.end(),
                                          [](const Piece& piece) { return piece.points > 0; });
@@ -109,7 +111,11 @@ public:
     }
 
     const PeriodicCell<3>& cell() const { return cell_; }
-    const std::vector<std::string>& partNames() const { return partNames_; }
+    /// What the file notes about parts and axes.
+    void note(Pack<3>& pack) const {
+        setPartNames(pack, partNames_);
+        pack.axes = axes_;
+    }
 
 private:
     /// The texts of that name in the field data, where there are some.
@@ -171,6 +177,7 @@ private:
     PackReadOptions options_;
     PeriodicCell<3> cell_;
     std::vector<std::string> partNames_;
+    std::string axes_;
 };
 
 class LegacyPoints {
@@ -195,6 +202,7 @@ public:
         Pack<3> pack = builder->finish();
         if (!cell_.empty()) pack.cell = cellIn(cell_, options_.unit, file_.path());
         setPartNames(pack, std::move(partNames_));
+        pack.axes = axes_;
         return pack;
     }
 
@@ -273,6 +281,7 @@ private:
             if (array.name == kUnitKey) options_.unit = unitNamed(values.texts[0], file_.path());
             if (array.name == kCellKey) cell_ = values.texts[0];
             if (array.name == kPartNamesKey) partNames_ = values.texts;
+            if (array.name == kGeneratorKey) axes_ = axesIn(values.texts[0]);
         }
         if (!rows_ || !ofPoints_) return;
         if (values.count != points_)
@@ -286,6 +295,7 @@ private:
     std::vector<PointArray> arrays_;  ///< positions first
     std::string cell_;
     std::vector<std::string> partNames_;
+    std::string axes_;
     std::uint64_t points_ = 0;
     std::optional<std::uint64_t> rows_;  ///< of the data that follow; none: about the whole file
     bool hasPoints_ = false, ofPoints_ = false;
@@ -298,7 +308,7 @@ Pack<3> readXml(const std::string& path, const char* type, const PackReadOptions
     if (!builder) throw InputError(path + ": holds no points");
     Pack<3> pack = builder->finish();
     pack.cell = file.cell();
-    setPartNames(pack, file.partNames());
+    file.note(pack);
     return pack;
 }
 
@@ -307,18 +317,16 @@ Pack<3> readPieces(const std::string& path, const std::string& type,
                    const PackReadOptions& options) {
     const VtkXml index(path, "P" + type, options.memoryLimit);
     std::unique_ptr<PackBuilder> builder;
-    std::vector<std::string> partNames;
+    std::optional<XmlPoints> last;
     for (const pugi::xml_node& piece : index.data().children("Piece")) {
         const std::filesystem::path source = VtkXml::attribute(piece, "Source");
         if (source.empty()) index.fail("a piece has no Source");
-        XmlPoints file((std::filesystem::path(path).parent_path() / source).string(), type,
-                       options);
-        file.read(builder);
-        partNames = file.partNames();
+        last.emplace((std::filesystem::path(path).parent_path() / source).string(), type, options);
+        last->read(builder);
     }
     if (!builder) index.fail("names no pieces with points");
     Pack<3> pack = builder->finish();
-    setPartNames(pack, std::move(partNames));
+    last->note(pack);
     return pack;
 }
 

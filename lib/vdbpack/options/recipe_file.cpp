@@ -63,8 +63,10 @@ bool isOfOthers(const std::string& file, const std::vector<OutputTarget>& output
         return std::filesystem::path(filePart(output)).filename();
     };
     const auto isOurs = [&](const toml::node& node) {
+        const std::string stated = node.value_or(std::string());
         return std::any_of(outputs.begin(), outputs.end(), [&](const OutputTarget& output) {
-            return nameOf(node.value_or(std::string())) == nameOf(output.text);
+            return nameOf(output.text) == nameOf(stated) ||
+                   nameOf(output.text) == nameOf(interruptedName(stated));
         });
     };
     try {

@@ -120,6 +120,7 @@ nlohmann::ordered_json toJson(const ConvertResult& result) {
     if (result.count > 0) json["count"] = result.count;
     if (result.hash != 0) json["hash"] = hashText(result.hash);
     if (result.pairs) json["pairs"] = *result.pairs;
+    if (result.density) json["density"] = *result.density;
     json["found"] = toJson(result.found);
     json["files"] = result.files;
     json["warnings"] = result.warnings;
@@ -141,6 +142,8 @@ std::string summary(const ConvertResult& result) {
                         result.interfaceTolerance > result.tolerance
                             ? fmt::format(", between parts up to {:g}", result.interfaceTolerance)
                             : "");
+    if (result.density)
+        text += fmt::format("density    {:g} kg/m³, as none is stated\n", *result.density);
     for (const std::string& file : result.files) text += fmt::format("written    {}\n", file);
     return text;
 }

@@ -114,6 +114,8 @@ struct ConvertResult {
     /// Pairs that outputs list, and the gaps up to which they are bonded, in smaller radii.
     std::optional<std::uint64_t> pairs;
     double tolerance = 0, interfaceTolerance = 0;
+    /// Of spheres in files for LAMMPS, kg/m³, where neither the run nor the pack states one.
+    std::optional<double> density;
     FoundValues found;
     std::vector<std::string> files, warnings;
 };

@@ -62,9 +62,9 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     write.bonds = bondOptionsOf(run.settings);
     write.unit = run.settings.outUnit;
     write.images = run.settings.images;
-    write.generator = "vdb_pack " + run.report.version +
-                      (run.report.interrupted ? ", interrupted" : "") +
-                      (run.report.axes.empty() ? "" : "; axes " + run.report.axes);
+    write.generator = generatorWith(
+        "vdb_pack " + run.report.version + (run.report.interrupted ? ", interrupted" : ""),
+        run.report.axes);
     const SphereDensity density =
         particleDensity(run.settings.density, run.report.solidFractionTotal);
     write.particleDensity = density.all;
@@ -129,6 +129,7 @@ void write(Run<Dim>& run) {
         leaveOutIncomplete(run, outputs);
         for (OutputTarget& output : outputs) output = interruptedName(output.text);
     }
+    run.pack.axes = report.axes;
     const RunOutputs<Dim> have = outputsOf(run);
     if (have.pack)
         keepDensities(run.pack, run.pack.spheres.size(), have.options.particleDensity,

@@ -71,6 +71,7 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
         const auto source = std::make_shared<const DomainSource>(domain, heard);
         report.seconds.mesh = clock.lap();
         beginOn({source.get()}, recipe, voids, report, heard, true);
+        if (report.axes.empty()) report.axes = pack.axes;
         warnOfUnused(domain, *source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, voids, source->dim());
         if (source->dim() == 2) {

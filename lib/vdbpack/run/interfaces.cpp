@@ -124,14 +124,15 @@ std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance) {
     return pairs;
 }
 
-void warnOfLooseParts(const Pack<3>& pack, const std::vector<Bond>& bonds,
+template <class Pair>
+void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
                       const Callbacks& callbacks) {
     constexpr std::uint64_t kFewBonds = 10;
     const Materials materials(pack);
     if (!materials.hasParts()) return;
     std::map<std::int32_t, std::uint64_t> joined;
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) joined[materials.partOf(i)];
-    for (const Bond& b : bonds)
+    for (const Pair& b : pairs)
         if (const auto p = materials.partOf(b.i), q = materials.partOf(b.j); p != q)
             ++joined[p], ++joined[q];
     const std::vector<std::string>& names = partNames(pack);
@@ -145,6 +146,9 @@ void warnOfLooseParts(const Pack<3>& pack, const std::vector<Bond>& bonds,
                         count == 1 ? "1 bond" : fmt::format("{} bonds", count)));
     }
 }
+
+template void warnOfLooseParts(const Pack<3>&, const std::vector<Bond>&, const Callbacks&);
+template void warnOfLooseParts(const Pack<3>&, const std::vector<Contact>&, const Callbacks&);
 
 void measureInterfaces(const Parts& parts, Run<3>& all) {
     if (all.report.interrupted || all.pack.spheres.empty()) return;

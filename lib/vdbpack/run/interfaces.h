@@ -8,8 +8,9 @@ namespace vdbpack {
 /// The pairs in contact of a pack whose spheres are in two parts, by their column `kPartColumn`.
 std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance);
 
-/// Warns of parts of a pack that hardly any bond joins to others.
-void warnOfLooseParts(const Pack<3>& pack, const std::vector<Bond>& bonds,
+/// Warns of parts of a pack that hardly any of its bonds or contacts joins to others.
+template <class Pair>
+void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
                       const Callbacks& callbacks);
 
 /// Lists the interfaces between parts in the report of their joined pack, with their bonds (of

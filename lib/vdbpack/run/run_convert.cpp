@@ -2,6 +2,7 @@
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/grey_values.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/density.h"
@@ -52,11 +53,22 @@ void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptio
     if (std::none_of(recipe.outputs.begin(), recipe.outputs.end(),
                      [](const OutputTarget& output) { return output.listsPairs(); }))
         return;
-    const auto bonds = bondsIn(pack, options);
-    warnOfLooseParts(pack, bonds, callbacks);
-    result.pairs = bonds.size();
+    const auto pairs = bondedPairs(pack, options);
+    warnOfLooseParts(pack, pairs, callbacks);
+    result.pairs = pairs.size();
     result.tolerance = options.tolerance;
     result.interfaceTolerance = options.interfaceTolerance;
+}
+
+/// Notes the density that files for LAMMPS take where none is known.
+void noteDensity(const ConvertRecipe& recipe, const PackAttributes& pack, ConvertResult& result) {
+    const bool isStated = columnOfNumbers(pack, kDensityColumn) || columnOfNumbers(pack, "density");
+    const auto hasMasses = [](const OutputTarget& output) {
+        return output.kind == OutputKind::materials ||
+               (output.kind == OutputKind::pack && holdsMasses(output.text));
+    };
+    if (!isStated && std::any_of(recipe.outputs.begin(), recipe.outputs.end(), hasMasses))
+        result.density = kDefaultDensity;
 }
 
 template <int Dim>
@@ -71,7 +83,6 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     PackWriteOptions& write = have.options;
     write.unit = recipe.outUnit;
     write.images = recipe.images;
-    write.generator = kGenerator;
     write.bonds = bondOptionsOf(recipe);
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
     const auto source = domainAround(recipe.domain, Dim, callbacks);
@@ -92,8 +103,9 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         const auto depths = have.domain->signedDistances(centers);
         const std::string axes = axesOf(*source);
         if (!warnOfOutside(depths, describe(recipe.domain), callbacks) && !axes.empty())
-            write.generator += "; axes " + axes;
+            pack.axes = axes;
     }
+    write.generator = generatorWith(kGenerator, pack.axes);
     if constexpr (Dim == 3) {
         std::vector<const DomainSource*> sources;
         if (source) {
@@ -113,6 +125,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.hash = packHash(pack);
     addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
     keepDensities(pack, pack.spheres.size(), write.particleDensity, write.materialDensity);
+    noteDensity(recipe, pack, result);
     if constexpr (Dim == 3) notePairs(recipe, pack, write.bonds, result, callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
     PreviewOptions preview = recipe.preview;
