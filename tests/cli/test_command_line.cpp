@@ -155,7 +155,7 @@ TEST_CASE("another run by a recipe keeps the page and the picture of the first")
     const std::string page = folder.file("p.json"), picture = folder.file("p.png"),
                       again = "pack --quiet --config " + folder.file("p.recipe.toml");
     vdbPack("pack ball:4 --radius constant:0.8 --report " + page + " --preview " + picture +
-            " -o " + folder.file("p.csv"));
+            " --preview-size 160 -o " + folder.file("p.csv"));
     const std::string first = contentOf(page), drawn = contentOf(picture);
     REQUIRE(drawn.size() > 1000);
     const std::string other = again + " --seed 7 -o " + folder.file("q.csv");

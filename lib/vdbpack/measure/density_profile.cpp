@@ -14,6 +14,9 @@ namespace vdbpack {
 
 namespace {
 
+/// Points by which all spheres near the wall are sampled, together.
+constexpr double kProfilePoints = 3e6;
+
 /// What spheres cover of each bin, mm^Dim, with the variance of that.
 struct BinSums {
     std::vector<double> covered, variance;
@@ -26,32 +29,31 @@ struct BinSums {
     }
 };
 
-/// Adds one sphere, sampled by `points` points. `hits` is zero for each bin, before and after.
+/// Adds one sphere, sampled by `points` points of `ball`. `hits` is zero for each bin, before and
+/// after.
 template <int Dim>
-void addSphere(const Sphere<Dim>& sphere, std::size_t seed, int points, double width, double rough,
-               DomainSampler<Dim>& sampler, std::vector<int>& hits, BinSums& sums) {
+void addSphere(const Sphere<Dim>& sphere, std::size_t seed, const BallPoints<Dim>& ball,
+               std::size_t points, double width, double rough, DomainSampler<Dim>& sampler,
+               std::vector<int>& hits, BinSums& sums) {
     const std::size_t count = hits.size();
-    Spread<Dim> spread(seed);
     std::size_t first = count, last = 0;
-    for (int k = 0; k < points; ++k) {
-        const Vec<Dim> x = sphere.center + ballPoint<Dim>(spread.next()) * sphere.radius;
+    ball.visit(sphere, seed, points, [&](const Vec<Dim>& x) {
         // Where the field takes a hair of a sphere for outside, it is at the wall.
-        double d = -sampler.signedDistance(x);
-        if (d < -rough) continue;
-        d = std::max(0.0, d);
-        const double bin = d / width;
-        if (!(bin < static_cast<double>(count))) continue;
+        const double d = -sampler.signedDistance(x);
+        if (d < -rough) return;
+        const double bin = std::max(0.0, d) / width;
+        if (!(bin < static_cast<double>(count))) return;
         const auto b = static_cast<std::size_t>(bin);
         first = std::min(first, b);
         last = std::max(last, b);
         ++hits[b];
-    }
-    const double ball = Measure<Dim>::ball(sphere.radius);
+    });
+    const double whole = Measure<Dim>::ball(sphere.radius), all = static_cast<double>(points);
     for (std::size_t b = first; b <= last && b < count; ++b) {
-        const double share = static_cast<double>(hits[b]) / points;
+        const double share = hits[b] / all;
         hits[b] = 0;
-        sums.covered[b] += share * ball;
-        sums.variance[b] += share * (1 - share) / points * ball * ball;
+        sums.covered[b] += share * whole;
+        sums.variance[b] += share * (1 - share) / all * whole * whole;
     }
 }
 
@@ -73,7 +75,9 @@ BinSums sumsOfBins(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& d
     });
     const auto crossing = static_cast<double>(
         sumOver(rows.ranks, static_cast<std::uint64_t>(std::count(near.begin(), near.end(), 1))));
-    const int points = static_cast<int>(std::clamp(1.2e7 / std::max(crossing, 1.0), 16.0, 1000.0));
+    const auto points = static_cast<std::size_t>(
+        std::clamp(kProfilePoints / std::max(crossing, 1.0), 16.0, 1000.0));
+    const BallPoints<Dim> ball(16384 + points);
     const BinSums own = tbb::parallel_deterministic_reduce(
         IndexRange(0, spheres.size(), 8192), BinSums{},
         [&](const IndexRange& block, BinSums mine) {
@@ -83,7 +87,7 @@ BinSums sumsOfBins(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& d
             std::vector<int> hits(count);
             for (std::size_t i = block.begin(); i < block.end(); ++i)
                 if (near[i])
-                    addSphere(spheres[i], rows[i], points, width, rough, sampler, hits, mine);
+                    addSphere(spheres[i], rows[i], ball, points, width, rough, sampler, hits, mine);
             return mine;
         },
         [&](BinSums a, const BinSums& b) {

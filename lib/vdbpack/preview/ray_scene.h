@@ -71,6 +71,33 @@ struct Surface {
     Float3 normalAt(const Hit& hit) const;
 };
 
+/// Rays per pixel, which Embree casts together.
+inline constexpr int kSamples = 4;
+
+/// The rays of a pixel, or those of them that are of use.
+class Rays {
+public:
+    void set(int k, const Float3& from, const Float3& along, float near, float far) {
+        RTCRay4& r = rays_.ray;
+        r.org_x[k] = from.x, r.org_y[k] = from.y, r.org_z[k] = from.z;
+        r.dir_x[k] = along.x, r.dir_y[k] = along.y, r.dir_z[k] = along.z;
+        r.tnear[k] = near, r.tfar[k] = far;
+        r.time[k] = 0, r.mask[k] = ~0u, r.id[k] = 0, r.flags[k] = 0;
+        valid_[k] = -1;
+    }
+    void startAt(int k, float near) { rays_.ray.tnear[k] = near; }
+    void drop(int k) { valid_[k] = 0; }
+    bool has(int k) const { return valid_[k] != 0; }
+    Float3 along(int k) const {
+        return {rays_.ray.dir_x[k], rays_.ray.dir_y[k], rays_.ray.dir_z[k]};
+    }
+
+private:
+    friend class RayScene;
+    RTCRayHit4 rays_;
+    alignas(16) int valid_[kSamples] = {};
+};
+
 /// A scene of Embree. The geometry added to it must outlive it.
 class RayScene {
 public:
@@ -85,11 +112,10 @@ public:
     /// @throws Interrupted once `request` is made.
     void commit(StopRequest& request);
 
-    /// The first hit between `near` and `far`.
-    Hit first(const Float3& from, const Float3& along, float near,
-              float far = std::numeric_limits<float>::infinity()) const;
-    /// Whether anything is hit nearer than `far`.
-    bool blocked(const Float3& from, const Float3& along, float far) const;
+    /// The first hit of each ray between its ends.
+    std::array<Hit, kSamples> first(Rays rays) const;
+    /// Of each ray whether it hits anything between its ends.
+    std::array<bool, kSamples> blocked(Rays rays) const;
 
     static constexpr unsigned kSpheres = 0, kSurface = 1;  ///< `Hit::geometry`
 
@@ -102,52 +128,44 @@ private:
 
 // Inline: each pixel casts a dozen rays.
 
-inline RTCRay rayOf(const Float3& from, const Float3& along, float near, float far) {
-    RTCRay ray;
-    ray.org_x = from.x, ray.org_y = from.y, ray.org_z = from.z;
-    ray.dir_x = along.x, ray.dir_y = along.y, ray.dir_z = along.z;
-    ray.tnear = near, ray.tfar = far;
-    ray.time = 0, ray.mask = ~0u, ray.id = 0, ray.flags = 0;
-    return ray;
-}
-
-inline Hit RayScene::first(const Float3& from, const Float3& along, float near, float far) const {
-    RTCRayHit r;
-    r.ray = rayOf(from, along, near, far);
-    r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+inline std::array<Hit, kSamples> RayScene::first(Rays rays) const {
+    RTCRayHit4& r = rays.rays_;
+    for (int k = 0; k < kSamples; ++k)
+        r.hit.geomID[k] = r.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
 #if VDBPACK_EMBREE >= 4
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
     arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
-    rtcIntersect1(scene_, &r, &arguments);
+    rtcIntersect4(rays.valid_, scene_, &r, &arguments);
 #else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    rtcIntersect1(scene_, &context, &r);
+    rtcIntersect4(rays.valid_, scene_, &context, &r);
 #endif
-    Hit hit;
-    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
-    hit.t = r.ray.tfar;
-    hit.geometry = r.hit.geomID;
-    hit.primitive = r.hit.primID;
-    hit.u = r.hit.u;
-    hit.v = r.hit.v;
-    hit.normal = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z};
-    return hit;
+    std::array<Hit, kSamples> hits;
+    for (int k = 0; k < kSamples; ++k) {
+        if (!rays.has(k) || r.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+        hits[static_cast<std::size_t>(k)] = {
+            r.ray.tfar[k], r.hit.primID[k], r.hit.geomID[k],
+            r.hit.u[k],    r.hit.v[k],      {r.hit.Ng_x[k], r.hit.Ng_y[k], r.hit.Ng_z[k]}};
+    }
+    return hits;
 }
 
-inline bool RayScene::blocked(const Float3& from, const Float3& along, float far) const {
-    RTCRay ray = rayOf(from, along, 0, far);
+inline std::array<bool, kSamples> RayScene::blocked(Rays rays) const {
+    RTCRay4& ray = rays.rays_.ray;
 #if VDBPACK_EMBREE >= 4
-    rtcOccluded1(scene_, &ray);
+    rtcOccluded4(rays.valid_, scene_, &ray);
 #else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcOccluded1(scene_, &context, &ray);
+    rtcOccluded4(rays.valid_, scene_, &context, &ray);
 #endif
-    return ray.tfar < 0;
+    std::array<bool, kSamples> are{};
+    for (int k = 0; k < kSamples; ++k)
+        are[static_cast<std::size_t>(k)] = rays.has(k) && ray.tfar[k] < 0;
+    return are;
 }
 
 }  // namespace vdbpack

@@ -90,11 +90,11 @@ void drawTile(const SpaceTracer& tracer, int x0, int y0, Picture& image) {
     TileLight light(columns, rows);
     std::size_t next = 0;
     for (int j = 0; j < rows; ++j)
-        for (int i = 0; i < columns; ++i)
-            for (int k = 0; k < kSamples; ++k, ++next) {
-                tracer.trace(left + i, top + j, k, samples[next]);
-                light.set(i, j, k, samples[next]);
-            }
+        for (int i = 0; i < columns; ++i, next += kSamples) {
+            tracer.trace(left + i, top + j, &samples[next]);
+            for (int k = 0; k < kSamples; ++k)
+                light.set(i, j, k, samples[next + static_cast<std::size_t>(k)]);
+        }
     for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
             Color sum;

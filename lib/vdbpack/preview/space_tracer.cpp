@@ -37,6 +37,8 @@ constexpr std::array<std::array<double, 2>, kSamples> kInPixel{
 constexpr std::array<std::uint32_t, 16> kSquare{0, 8,  2, 10, 12, 4, 14, 6,
                                                 3, 11, 1, 9,  15, 7, 13, 5};
 
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
 }  // namespace
 
 SpaceTracer::SpaceTracer(const SpacePreview& scene, const PreviewOptions& options,
@@ -120,7 +122,9 @@ std::int32_t SpaceTracer::sphereAt(double x, double y) const {
         const auto found = discs_->at(CutAxes(options_.cut->axis).flat(start.at));
         if (found.index >= 0) return found.index;
     }
-    const Hit hit = bodies_.first(eye_, normalized(single(direction)), start.t);
+    Rays ray;
+    ray.set(0, eye_, normalized(single(direction)), start.t, kFar);
+    const Hit hit = bodies_.first(ray)[0];
     return hit.geometry == RayScene::kSpheres ? indexOf(hit.primitive) : -1;
 }
 
@@ -177,18 +181,33 @@ inline bool SpaceTracer::showBody(const Hit& hit, const Float3& along, Sample& s
     return true;
 }
 
-void SpaceTracer::trace(int px, int py, int k, Sample& s) const {
-    const auto& offset = kInPixel[static_cast<std::size_t>(k)];
-    const Vec<3> direction = directionAt(px + offset[0], py + offset[1]);
-    const Start start = startOf(direction);
-    if (!start.sees || showSection(start, s)) return;
-    const Float3 along = normalized(single(direction));
-    Float3 origin;
-    const Hit hit = bodies_.first(eye_, along, start.t);
-    if (hit.any() && !showBody(hit, along, s, origin)) return showCut(start, s.albedo, s);
-    const float reach = hit.any() ? hit.t : std::numeric_limits<float>::infinity();
-    if (wall_) addVeil(along, start.t, reach, s);
-    if (s.hit) addLight(px, py, k, origin, s);
+void SpaceTracer::trace(int px, int py, Sample* samples) const {
+    std::array<Start, kSamples> starts;
+    Rays rays;
+    for (int k = 0; k < kSamples; ++k) {
+        const auto n = static_cast<std::size_t>(k);
+        const Vec<3> direction = directionAt(px + kInPixel[n][0], py + kInPixel[n][1]);
+        starts[n] = startOf(direction);
+        if (starts[n].sees && !showSection(starts[n], samples[k]))
+            rays.set(k, eye_, normalized(single(direction)), starts[n].t, kFar);
+    }
+    const auto hits = bodies_.first(rays);
+    std::array<Float3, kSamples> origins;
+    std::array<bool, kSamples> lit{};
+    for (int k = 0; k < kSamples; ++k) {
+        const auto n = static_cast<std::size_t>(k);
+        if (!rays.has(k)) continue;
+        const Float3 along = rays.along(k);
+        if (hits[n].any() && !showBody(hits[n], along, samples[k], origins[n])) {
+            showCut(starts[n], samples[k].albedo, samples[k]);
+            rays.drop(k);
+            continue;
+        }
+        lit[n] = hits[n].any();
+        rays.set(k, eye_, along, starts[n].t, hits[n].t);
+    }
+    if (wall_) addVeil(rays, samples);
+    addLight(px, py, origins, lit, samples);
 }
 
 Color SpaceTracer::shade(const Sample& s) const {
@@ -226,55 +245,74 @@ double SpaceTracer::rimOf(std::int32_t index) const {
     return std::min(kRim * mmPerPixel(), kLargestRim * s.radius);
 }
 
-void SpaceTracer::addVeil(const Float3& along, float near, float far, Sample& s) const {
+inline bool SpaceTracer::addLayer(int layer, const Hit& hit, const Float3& along, Sample& s) const {
+    Float3 n = wall_->normalAt(hit);
+    const bool inner = layer == 0 && options_.cut && dot(hit.normal, along) > 0;
+    if (dot(n, along) > 0) n = -n;
+    if (inner && !s.hit) {
+        // The far side of a cut bone: drawn opaque, to close the view behind the pack.
+        const float light = kInnerDark + kInnerLight * std::max(0.0f, dot(n, lamp_));
+        s.veil += boneColor() * (light * s.through);
+        s.through = 0;
+        return false;
+    }
+    const float across = 1 - std::min(1.0f, -dot(n, along));
+    const float opacity = kVeil + kEdge * across * across * across * across;
+    const float key = std::max(0.0f, dot(n, lamp_));
+    s.veil += boneColor() * ((0.62f + 0.38f * key) * opacity * s.through);
+    // What is behind is shaded like the wall: this shows the form of the bone, which the shading of
+    // single spheres would hide.
+    s.through *= (1 - opacity) * (layer == 0 ? 1 - kForm + kForm * key : 1);
+    return true;
+}
+
+void SpaceTracer::addVeil(Rays rays, Sample* samples) const {
     for (int layer = 0; layer < kLayers; ++layer) {
-        const Hit hit = walls_.first(eye_, along, near, far);
-        if (!hit.any()) return;
-        Float3 n = wall_->normalAt(hit);
-        const bool inner = layer == 0 && options_.cut && dot(hit.normal, along) > 0;
-        if (dot(n, along) > 0) n = -n;
-        if (inner && !s.hit) {
-            // The far side of a cut bone: drawn opaque, to close the view behind the pack.
-            const float light = kInnerDark + kInnerLight * std::max(0.0f, dot(n, lamp_));
-            s.veil += boneColor() * (light * s.through);
-            s.through = 0;
-            return;
+        const auto hits = walls_.first(rays);
+        for (int k = 0; k < kSamples; ++k) {
+            const Hit& hit = hits[static_cast<std::size_t>(k)];
+            if (hit.any() && addLayer(layer, hit, rays.along(k), samples[k]))
+                rays.startAt(k, hit.t + 2e-5f);
+            else
+                rays.drop(k);
         }
-        const float across = 1 - std::min(1.0f, -dot(n, along));
-        const float opacity = kVeil + kEdge * across * across * across * across;
-        const float key = std::max(0.0f, dot(n, lamp_));
-        s.veil += boneColor() * ((0.62f + 0.38f * key) * opacity * s.through);
-        // What is behind is shaded like the wall: this shows the form of the bone, which the
-        // shading of single spheres would hide.
-        s.through *= (1 - opacity) * (layer == 0 ? 1 - kForm + kForm * key : 1);
-        near = hit.t + 2e-5f;
     }
 }
 
-void SpaceTracer::addLight(int px, int py, int k, const Float3& origin, Sample& s) const {
-    const std::uint32_t n = kSquare[static_cast<std::size_t>((py & 3) * 4 + (px & 3))] * kSamples +
-                            static_cast<std::uint32_t>(k);
-    const auto lampPoint = sobol(n, 0x3c6ef372u, 0xa54ff53au);
-    const auto skyPoint = sobol(n, 0x510e527fu, 0x9b05688cu);
+void SpaceTracer::addLight(int px, int py, const std::array<Float3, kSamples>& origins,
+                           const std::array<bool, kSamples>& lit, Sample* samples) const {
     constexpr float kTurn = 2 * static_cast<float>(kPi);
-    {
-        const float r = kLamp * std::sqrt(lampPoint[0]), turn = kTurn * lampPoint[1];
-        const Float3 to =
+    const std::uint32_t first =
+        kSquare[static_cast<std::size_t>((py & 3) * 4 + (px & 3))] * kSamples;
+    Rays toLamp, toSky;
+    for (int k = 0; k < kSamples; ++k) {
+        const auto n = static_cast<std::size_t>(k);
+        if (!lit[n]) continue;
+        Sample& s = samples[k];
+        const auto lampPoint =
+            sobol(first + static_cast<std::uint32_t>(k), 0x3c6ef372u, 0xa54ff53au);
+        float r = kLamp * std::sqrt(lampPoint[0]), turn = kTurn * lampPoint[1];
+        Float3 to =
             normalized(lamp_ + lampS_ * (r * std::cos(turn)) + lampT_ * (r * std::sin(turn)));
-        if (dot(s.normal, to) <= 0) {
+        if (dot(s.normal, to) <= 0)
             s.lit = 0;
-        } else {
-            const float way = freeWay(origin, to);
-            s.lit = way > 0 && bodies_.blocked(origin, to, way) ? 0.0f : 1.0f;
-        }
+        else if (const float way = freeWay(origins[n], to); way > 0)
+            toLamp.set(k, origins[n], to, 0, way);
+        const auto skyPoint =
+            sobol(first + static_cast<std::uint32_t>(k), 0x510e527fu, 0x9b05688cu);
+        r = std::sqrt(skyPoint[0]), turn = kTurn * skyPoint[1];
+        Float3 a, b;
+        basis(s.normal, a, b);
+        to = a * (r * std::cos(turn)) + b * (r * std::sin(turn)) +
+             s.normal * std::sqrt(std::max(0.0f, 1 - skyPoint[0]));
+        if (const float way = std::min(ambient_, freeWay(origins[n], to)); way > 0)
+            toSky.set(k, origins[n], to, 0, way);
     }
-    const float r = std::sqrt(skyPoint[0]), turn = kTurn * skyPoint[1];
-    Float3 a, b;
-    basis(s.normal, a, b);
-    const Float3 to = a * (r * std::cos(turn)) + b * (r * std::sin(turn)) +
-                      s.normal * std::sqrt(std::max(0.0f, 1 - skyPoint[0]));
-    const float way = std::min(ambient_, freeWay(origin, to));
-    s.open = way > 0 && bodies_.blocked(origin, to, way) ? 0.0f : 1.0f;
+    const auto dark = bodies_.blocked(toLamp), closed = bodies_.blocked(toSky);
+    for (std::size_t k = 0; k < lit.size(); ++k) {
+        if (dark[k]) samples[k].lit = 0;
+        if (closed[k]) samples[k].open = 0;
+    }
 }
 
 }  // namespace vdbpack

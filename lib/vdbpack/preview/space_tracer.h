@@ -16,9 +16,6 @@
 
 namespace vdbpack {
 
-/// Rays per pixel.
-inline constexpr int kSamples = 4;
-
 /// The result of one ray of a pixel.
 struct Sample {
     bool hit = false;
@@ -45,9 +42,10 @@ public:
     /// The sphere seen through a point of the picture; -1: none.
     std::int32_t sphereAt(double x, double y) const;
 
-    /// Casts ray `k` of a pixel.
-    /// @param s  empty; written in place: copying the samples takes a tenth of the time.
-    void trace(int px, int py, int k, Sample& s) const;
+    /// Casts the rays of a pixel.
+    /// @param samples  kSamples empty ones; written in place: copying them takes a tenth of the
+    /// time.
+    void trace(int px, int py, Sample* samples) const;
 
     Color shade(const Sample& s) const;
 
@@ -82,9 +80,13 @@ private:
     /// The surface of a body where a ray hits it. @return false: it is seen from within, at its cut
     /// face. @param origin  of further rays
     inline bool showBody(const Hit& hit, const Float3& along, Sample& s, Float3& origin) const;
-    /// Adds the wall in front of the hit, or behind everything if the ray starts inside.
-    void addVeil(const Float3& along, float near, float far, Sample& s) const;
-    void addLight(int px, int py, int k, const Float3& origin, Sample& s) const;
+    /// Adds the wall along rays that end at their hits, or behind everything if they start inside.
+    void addVeil(Rays rays, Sample* samples) const;
+    /// One layer of it. @return whether there may be another one behind
+    inline bool addLayer(int layer, const Hit& hit, const Float3& along, Sample& s) const;
+    /// @param origins  of the rays to lamp and sky. @param lit  the samples that are in the light
+    void addLight(int px, int py, const std::array<Float3, kSamples>& origins,
+                  const std::array<bool, kSamples>& lit, Sample* samples) const;
 
     const SpacePreview& scene_;
     const PreviewOptions options_;
