@@ -266,7 +266,7 @@ void writeFile(const Shared& data, const std::string& file, const std::string& u
     const py::gil_scoped_release released;
     std::visit(
         [&](const auto& pack) {
-            options.generator = generatorWith("vdb_pack " VDBPACK_VERSION, pack.axes);
+            options.generator = generatorWith("vdb_pack " VDBPACK_VERSION, pack.origin);
             writePack(pack, file, options);
         },
         data->pack);

@@ -53,23 +53,26 @@ TEST_CASE("a pack through every format and back is the same doubles") {
     REQUIRE(readPack(scratch.file("h.vdb")).spheres == pack.spheres);
 }
 
-TEST_CASE("a pack keeps the axes of its patient from file to file") {
+TEST_CASE("a pack keeps the axes of its patient and its tolerances from file to file") {
     const TemporaryFolder scratch;
     PackWriteOptions options;
-    options.generator = generatorWith("a program", "RAS");
+    options.generator = generatorWith("a program", {"RAS", 0.05, 0.4});
     std::string from = scratch.file("first.vtp");
     writePack(latticePack<3>(20, {{0, 10, 40}}, 30, 2), from, options);
     for (const std::string to : {"a.npz", "b.xyz", "c.pvtp", "d.vtkhdf", "e.vdb", "f.data"}) {
         CAPTURE(from, to);
         runConvert(recipeOf(from, {scratch.file(to)}));
         from = scratch.file(to);
-        CHECK(readPack(from).axes == "RAS");
+        const PackOrigin kept = readPack(from).origin;
+        CHECK(kept.axes == "RAS");
+        CHECK(kept.contactTolerance == 0.05);
+        CHECK(kept.interfaceTolerance == 0.4);
     }
     runConvert(recipeOf(from, {scratch.file("g.csv")}));
-    CHECK(readPack(scratch.file("g.csv")).axes.empty());
+    CHECK(readPack(scratch.file("g.csv")).origin.axes.empty());
     options.generator = "another; axes up";
     writePack(latticePack<3>(20, {{0, 10, 40}}, 30, 2), from, options);
-    CHECK(readPack(from).axes.empty());
+    CHECK(readPack(from).origin.axes.empty());
 }
 
 TEST_CASE("circles stay circles") {

@@ -33,13 +33,20 @@ struct PackAttributes {
     std::vector<Column> columns;         ///< whatever else the file held
 };
 
+/// What the file of a pack states about how it was made.
+struct PackOrigin {
+    std::string axes{};             ///< of a patient: LPS or RAS; empty: none are stated
+    double contactTolerance = 0;    ///< with which its contacts were counted; 0: it is not stated
+    double interfaceTolerance = 0;  ///< between parts; 0: the same
+};
+
 /// Spheres (2D: circles) in mm.
 template <int Dim>
 struct Pack : PackAttributes {
     std::vector<Sphere<Dim>> spheres;
     double sliceHeight = 0;    ///< 2D: the z written for every circle, mm
     PeriodicCell<Dim> cell{};  ///< in which they repeat; by default they do not
-    std::string axes{};        ///< of a patient: LPS or RAS; empty: none are stated
+    PackOrigin origin{};
 };
 
 /// Calls `visit(name, values)` for each attribute but the id, empty or not, in the order in which

@@ -315,9 +315,11 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
     } else if (!clips_.empty()) {
         built.space = clippedDomain<3>(built.space, clips_, envelopeOf(built.space));
     }
+    Callbacks quiet = callbacks;
+    quiet.warning = nullptr;  // the part that has the space warns of its mesh
     for (const auto& outside : outsides_)
-        built.space = cutDomain(built.space, outside->build(minRadius, maxRadius, callbacks).space,
-                                fromOuter);
+        built.space =
+            cutDomain(built.space, outside->build(minRadius, maxRadius, quiet).space, fromOuter);
     return built;
 }
 

@@ -1,17 +1,17 @@
 // Private: words that the writers note in files and the readers take back.
 #pragma once
 
+#include "vdbpack/core/pack.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/io/stated_unit.h"
 
-#include <string>
 #include <string_view>
 
 namespace vdbpack {
 
 inline constexpr const char* kGeneratorKey = "generator";
-/// The axes of a patient that the generator of a pack states; empty: it states none.
-std::string axesIn(std::string_view generator);
+/// What the generator of a pack says of its origin (`generatorWith`), or any text with it.
+PackOrigin originIn(std::string_view generator);
 
 /// The periodic cell: axes that wrap, lower and upper corner, as "xyz 0 0 0 10 10 10".
 inline constexpr const char* kCellKey = "periodic_cell";

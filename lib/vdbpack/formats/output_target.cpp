@@ -108,9 +108,12 @@ bool OutputTarget::isSolid() const {
     }
 }
 
+bool OutputTarget::listsBonds() const {
+    return isOfBonds() || startsWith(text, "lammps-bonds:");
+}
+
 bool OutputTarget::listsPairs() const {
-    return kind == OutputKind::contacts || isOfBonds() || kind == OutputKind::interfaces ||
-           startsWith(text, "lammps-bonds:");
+    return kind == OutputKind::contacts || kind == OutputKind::interfaces || listsBonds();
 }
 
 std::string filePart(const std::string& name) {

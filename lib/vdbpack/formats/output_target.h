@@ -47,6 +47,8 @@ struct OutputTarget {
     bool isOfBonds() const {
         return kind == OutputKind::bonds || kind == OutputKind::bondCoefficients;
     }
+    /// The same, or joins spheres by bonds (lammps-bonds:).
+    bool listsBonds() const;
     /// Whether it lists pairs of spheres in contact, or counts them.
     bool listsPairs() const;
 };

@@ -19,7 +19,10 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::string_view kAxesWord = "; axes ";
+/// Before what a generator states of the origin of its packs.
+constexpr const char* kAxesWord = "; axes ";
+constexpr const char* kContactsWord = "; contact tolerance ";
+constexpr const char* kInterfacesWord = "; interface tolerance ";
 
 /// Whether a program that reads the format repeats the cell itself.
 bool isOfSimulation(PackFormat format) {
@@ -61,15 +64,30 @@ double pointVoxelSize(double count, double measure, int dim) {
     return std::exp2(std::round(std::log2(8 * measure / count) / dim));
 }
 
-std::string generatorWith(const std::string& program, const std::string& axes) {
-    return axes.empty() ? program : program + std::string(kAxesWord) + axes;
+std::string generatorWith(const std::string& program, const PackOrigin& origin) {
+    std::string text = program;
+    if (!origin.axes.empty()) text += kAxesWord + origin.axes;
+    if (origin.contactTolerance > 0)
+        text += fmt::format("{}{}", kContactsWord, origin.contactTolerance);
+    if (origin.interfaceTolerance > origin.contactTolerance)
+        text += fmt::format("{}{}", kInterfacesWord, origin.interfaceTolerance);
+    return text;
 }
 
-std::string axesIn(std::string_view generator) {
-    const auto at = generator.find(kAxesWord);
-    if (at == std::string_view::npos) return "";
-    const std::string_view axes = generator.substr(at + kAxesWord.size(), 3);
-    return axes == "LPS" || axes == "RAS" ? std::string(axes) : "";
+PackOrigin originIn(std::string_view generator) {
+    const auto after = [&](std::string_view word) {
+        const auto at = generator.find(word);
+        if (at == std::string_view::npos) return std::string_view();
+        const std::string_view rest = generator.substr(at + word.size());
+        return rest.substr(0, rest.find_first_of("; \"\r\n"));
+    };
+    const auto numberAfter = [&](const char* word) {
+        double value = 0;
+        return parseNumber(after(word), value) && std::isfinite(value) && value > 0 ? value : 0;
+    };
+    const std::string axes(after(kAxesWord));
+    return {axes == "LPS" || axes == "RAS" ? axes : "", numberAfter(kContactsWord),
+            numberAfter(kInterfacesWord)};
 }
 
 template <int Dim>
@@ -143,7 +161,7 @@ Pack<2> asCircles(const Pack<3>& pack) {
         circles.spheres.push_back({{{s.center[0], s.center[1]}}, s.radius});
     }
     static_cast<PackAttributes&>(circles) = pack;
-    circles.axes = pack.axes;
+    circles.origin = pack.origin;
     for (int d = 0; d < 2 && pack.cell.any(); ++d) {
         circles.cell.wraps[static_cast<std::size_t>(d)] = pack.cell.isAlong(d);
         circles.cell.box.lo[d] = pack.cell.box.lo[d];

@@ -111,8 +111,9 @@ bool holdsSurface(const std::string& file);
 /// Whether it has the mass of each sphere, or its density.
 bool holdsMasses(const std::string& file);
 
-/// The generator of files in the axes of a patient: "vdb_pack 1.0; axes LPS".
-std::string generatorWith(const std::string& program, const std::string& axes);
+/// A generator that states the origin of its packs: "vdb_pack 1.0; axes LPS; contact tolerance
+/// 0.1".
+std::string generatorWith(const std::string& program, const PackOrigin& origin);
 
 /// The prefixes that name formats of packs ("yade:").
 std::vector<std::string> packPrefixes();

@@ -99,7 +99,7 @@ private:
         for (const char* one : {"region", "part"})
             if (says((kLammpsTypeIs + std::string(one) + " + 1").c_str())) material_ = one;
         bonded_ = says(kLammpsBonded);
-        axes_ = axesIn(line);
+        origin_ = originIn(line);
     }
 
     void takeHeaderLine() {
@@ -210,7 +210,7 @@ private:
                     builder.set(type, number - 1);
             };
         Pack<3> pack = readTable(file_, table);
-        pack.axes = axes_;
+        pack.origin = origin_;
         if (table.names.back() == "molecule")
             pack.columns.pop_back();  // our writer puts all atoms into no molecule
         if (nextContent(line) && isNumber(words_.front()))
@@ -240,7 +240,7 @@ private:
     PackReadOptions options_;  ///< with the unit of the file
     bool knowsDensity_;  ///< the unit of densities is the one that goes with the unit of lengths
     bool shifted_ = false, bonded_ = false;  ///< according to the title
-    std::string axes_;                       ///< of a patient, according to the title, or empty
+    PackOrigin origin_;                      ///< according to the title
     std::string boundary_;                   ///< "p p f" according to the title, or empty
     StatedBox box_;                          ///< of the header
     bool hasBox_ = false;

@@ -99,7 +99,7 @@ private:
             if (isUnit)
                 options_.unit = unitNamed(a.text(0), path_);
             else
-                axes_ = axesIn(a.text(0));
+                origin_ = originIn(a.text(0));
         }
     }
 
@@ -187,7 +187,7 @@ private:
         builder.addRows(rows_, puts, "row");
         Pack<3> pack = builder.finish();
         setPartNames(pack, partNamesIn());
-        pack.axes = axes_;
+        pack.origin = origin_;
         return pack;
     }
 
@@ -206,7 +206,7 @@ private:
     std::string path_;
     ZipArchive zip_;
     PackReadOptions options_;  ///< with the unit of the file
-    std::string axes_;         ///< that its generator states
+    PackOrigin origin_;        ///< that its generator states
     std::vector<Array> arrays_;
     std::uint64_t rows_ = 0;
     std::vector<Source> columns_;

@@ -283,7 +283,7 @@ Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
         PackReadOptions stated = options;
         if (!unit.empty()) stated.unit = unitNamed(unit, path);
         pack = PointReader(*grid, path, stated).read();
-        pack->axes = axesIn(noted(*grid, kGeneratorKey));
+        pack->origin = originIn(noted(*grid, kGeneratorKey));
         if (!cell.empty()) pack->cell = cellIn(cell, stated.unit, path);
         if (const std::string names = noted(*grid, kPartNamesKey); !names.empty())
             setPartNames(*pack, splitAt(names, '\n'));

@@ -90,7 +90,7 @@ public:
             cell_ = cellIn(texts[0], options_.unit, xml_.path());
         partNames_ = noted(kPartNamesKey, kLongestName);
         if (const auto texts = noted(kGeneratorKey, kLongestText); !texts.empty())
-            axes_ = axesIn(texts[0]);
+            origin_ = originIn(texts[0]);
         const auto pieces = piecesOf();
         const auto filled = std::find_if(pieces.begin(), pieces.end(),
                                          [](const Piece& piece) { return piece.points > 0; });
@@ -114,7 +114,7 @@ public:
     /// What the file notes about parts and axes.
     void note(Pack<3>& pack) const {
         setPartNames(pack, partNames_);
-        pack.axes = axes_;
+        pack.origin = origin_;
     }
 
 private:
@@ -177,7 +177,7 @@ private:
     PackReadOptions options_;
     PeriodicCell<3> cell_;
     std::vector<std::string> partNames_;
-    std::string axes_;
+    PackOrigin origin_;
 };
 
 class LegacyPoints {
@@ -202,7 +202,7 @@ public:
         Pack<3> pack = builder->finish();
         if (!cell_.empty()) pack.cell = cellIn(cell_, options_.unit, file_.path());
         setPartNames(pack, std::move(partNames_));
-        pack.axes = axes_;
+        pack.origin = origin_;
         return pack;
     }
 
@@ -281,7 +281,7 @@ private:
             if (array.name == kUnitKey) options_.unit = unitNamed(values.texts[0], file_.path());
             if (array.name == kCellKey) cell_ = values.texts[0];
             if (array.name == kPartNamesKey) partNames_ = values.texts;
-            if (array.name == kGeneratorKey) axes_ = axesIn(values.texts[0]);
+            if (array.name == kGeneratorKey) origin_ = originIn(values.texts[0]);
         }
         if (!rows_ || !ofPoints_) return;
         if (values.count != points_)
@@ -295,7 +295,7 @@ private:
     std::vector<PointArray> arrays_;  ///< positions first
     std::string cell_;
     std::vector<std::string> partNames_;
-    std::string axes_;
+    PackOrigin origin_;
     std::uint64_t points_ = 0;
     std::optional<std::uint64_t> rows_;  ///< of the data that follow; none: about the whole file
     bool hasPoints_ = false, ofPoints_ = false;

@@ -85,7 +85,7 @@ public:
             builder.addRows(count, puts, "point", first);
         }
         Pack<3> pack = builder.finish();
-        pack.axes = axesIn(textOf(kGeneratorKey));
+        pack.origin = originIn(textOf(kGeneratorKey));
         if (const std::string names = textOf(kPartNamesKey, kLongestNames); !names.empty())
             setPartNames(pack, splitAt(names, '\n'));
         return pack;

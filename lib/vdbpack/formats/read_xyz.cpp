@@ -137,9 +137,9 @@ Pack<3> readFrame(InputFile& file, std::uint64_t count, const PackReadOptions& o
         table.options.unit = unitIn(kUnitComment + std::string(name), table.options.unit, file);
     table.nextRow = [&](Cells& cells) { return nextWords(file, table.names, cells); };
     const auto box = boxOf(line, table.options.unit, file);
-    const std::string axes = axesIn(line);
+    const PackOrigin origin = originIn(line);
     Pack<3> pack = readTable(file, table);
-    pack.axes = axes;
+    pack.origin = origin;
     if (box) takeCell(pack, *box, file.path(), options.callbacks);
     auto& columns = pack.columns;
     columns.erase(std::remove_if(columns.begin(), columns.end(), saysNothing), columns.end());

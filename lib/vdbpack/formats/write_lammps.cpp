@@ -161,7 +161,7 @@ BondRows bondRows(const PackView& pack, const BondOptions& options) {
 PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, const AllAtoms& all,
                       const std::shared_ptr<const Atoms>& atoms, const BondRows* bonds) {
     const bool isBpm = bonds && bonds->isBpm;
-    std::string title = oneLine(options.generator).substr(0, 60);
+    std::string title = oneLine(options.generator).substr(0, 100);
     if (!title.empty()) title += "; ";
     title += fmt::format("atom_style {}; {}",
                          isBpm   ? "bpm/sphere"

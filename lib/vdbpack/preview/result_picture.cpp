@@ -20,6 +20,13 @@ PreviewOptions inWorldOf(const DomainSource& source, PreviewOptions options) {
     return options;
 }
 
+PreviewOptions inWorldOf(const PackOrigin& origin, PreviewOptions options) {
+    if (origin.axes.empty()) return options;
+    options.space = origin.axes == "RAS" ? ImageSpace::ras : ImageSpace::lps;
+    options.ofPatient = true;
+    return options;
+}
+
 namespace {
 
 constexpr int kPageWidth = 960;  // or the height, of what is higher than wide
@@ -145,7 +152,7 @@ PagePicture drawPack(const PreviewOptions& recipe, const std::string& name, cons
             recipe, name);
     std::conditional_t<Dim == 3, SpacePreview, PlanePreview> scene;
     scene.pack = &pack;
-    return finished(renderPreview(scene, *options), recipe, name);
+    return finished(renderPreview(scene, inWorldOf(pack.origin, *options)), recipe, name);
 }
 
 template <int Dim>

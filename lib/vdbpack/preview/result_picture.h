@@ -22,6 +22,8 @@ void checkPreview(const PreviewOptions& recipe, const Domain<Dim>& domain, const
 
 /// The options with the axes of the world of a domain.
 PreviewOptions inWorldOf(const DomainSource& source, PreviewOptions options);
+/// The same of a pack without a domain, by the axes that its file states.
+PreviewOptions inWorldOf(const PackOrigin& origin, PreviewOptions options);
 
 /// Draws the result of a run, if `recipe` names a file, which is then written, or if the report is
 /// a page (without a file, the picture is smaller). Without Embree, a page has no picture of

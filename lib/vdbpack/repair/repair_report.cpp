@@ -65,7 +65,7 @@ std::vector<Fact> surfaceFacts(const RepairReport& r) {
         {"/filledArea", r.filledArea, measured(r.filledArea, "{:.3g} mm² of triangles added")},
         {"/dropped", r.dropped, counted(r.dropped, "triangle{} inside the solid removed")},
         {"/piecesDropped", r.piecesDropped,
-         counted(r.piecesDropped, "component{} below ten voxels removed")},
+         counted(r.piecesDropped, "component{} of the new surface below ten voxels removed")},
         {"/voxelSize", r.voxelSize > 0 ? nlohmann::json(r.voxelSize) : nlohmann::json(),
          measured(r.voxelSize, "surface remeshed with voxels of {:.3g} mm")},
         {"/bridgedShare", r.bridgedShare,

@@ -39,6 +39,7 @@ struct PartReport {
     double solidFraction = 0;
     std::optional<double> interior;  ///< deeper than three largest radii
     std::optional<double> bvtv;      ///< if voids were cut
+    std::optional<double> ks{};      ///< distance of its sizes from those requested
     double protrusion = 0;           ///< largest, of its own wall, in radii
     double density = 0;              ///< of its spheres, kg/m³; 0: none is given, or one by region
     std::map<std::int32_t, double> densities{};  ///< by region, kg/m³; empty: one, or none

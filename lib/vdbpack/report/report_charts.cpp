@@ -75,9 +75,12 @@ std::string noSpheres(const DimensionWords& words) {
 
 std::string requestText(const RadiusHistogram& radii, const Report& report,
                         const DimensionWords& words) {
-    const std::string text = radii.requested.empty()
-                                 ? "No size distribution to compare with (--radius)"
-                                 : "Requested: " + report.requested;
+    const std::string text =
+        !radii.requested.empty() ? "Requested: " + report.requested
+        : report.parts.empty()   ? "No size distribution to compare with (--radius)"
+        : report.requested.empty()
+            ? "Of all parts, each of which has sizes of its own"
+            : "Of all parts, each of which is compared below with the request: " + report.requested;
     return report.existing > 0 ? text + fmt::format("; without the {} {} that existed before",
                                                     grouped(report.existing), words.spheres)
                                : text;
@@ -135,8 +138,9 @@ Chart coordination(const Report& report, const DimensionWords& words) {
 
 /// Why a chart that needs a domain is empty.
 std::string noDomain(const Report& report, const std::string& otherwise) {
-    return report.domain.kind.empty() ? "No domain was given (--domain): depths are unknown."
-                                      : otherwise;
+    return !report.parts.empty() ? "Parts have walls of their own: measure one part alone for this."
+           : report.domain.kind.empty() ? "No domain was given (--domain): depths are unknown."
+                                        : otherwise;
 }
 
 Chart profile(const Structure& structure, const Report& report, const DimensionWords& words) {
@@ -205,9 +209,10 @@ std::string reportCharts(const Report& report, const std::optional<Structure>& s
     const DimensionWords words(report.dim);
     return figure(sizes(radii, report, words)) + figure(cumulatedSizes(radii, report, words)) +
            figure(coordination(report, words)) +
-           (structure ? figure(profile(*structure, report, words)) +
-                            figure(pairs(*structure, report, words))
-                      : std::string()) +
+           (structure || !report.parts.empty()
+                ? figure(profile(structure.value_or(Structure()), report, words)) +
+                      figure(pairs(structure.value_or(Structure()), report, words))
+                : std::string()) +
            times(report);
 }
 

@@ -179,7 +179,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     for (const auto& [option, value] : r.varied) json["varied"][option] = value;
     json["threads"] = r.threads;
     json["ranks"] = r.ranks;
-    json["hash"] = hashText(r.hash);
+    json["hash"] = r.task == "voids" ? Json() : Json(hashText(r.hash));
     json["interrupted"] = r.interrupted;
     json["found"] = toJson(r.found);
     json["domain"] = domainJson(r);
@@ -202,8 +202,6 @@ nlohmann::ordered_json toJson(const Report& r) {
         for (const PartReport& p : r.parts)
             json["parts"].push_back(
                 {{"name", p.name},
-                 {"source", p.source},
-                 {"requested", p.requested.empty() ? Json() : Json(p.requested)},
                  {"count", p.count},
                  {"volume", p.volume},
                  {"area", p.area},
@@ -212,7 +210,10 @@ nlohmann::ordered_json toJson(const Report& r) {
                  {"bvtv", orNull(p.bvtv)},
                  {"protrusion", p.protrusion},
                  {"density", p.density > 0 ? Json(p.density) : Json()},
-                 {"densities", densitiesJson(p)}});
+                 {"densities", densitiesJson(p)},
+                 {"requested", p.requested.empty() ? Json() : Json(p.requested)},
+                 {"ks", orNull(p.ks)},
+                 {"source", p.source}});
         json["contacts"]["betweenParts"] = r.contactsBetweenParts;
         for (const InterfaceReport& i : r.interfaces)
             json["interfaces"].push_back({{"parts", i.parts},

@@ -57,9 +57,10 @@ void addCheck(Keys& keys, const Report& r, const char* label, std::uint64_t foun
 
 void addPack(Keys& keys, const Report& r) {
     const DimensionWords words(r.dim);
-    keys.add(
-        words.spheres, grouped(r.count),
-        r.count > 0 ? fmt::format("radius {:.4g} to {:.4g} mm", r.radius.min, r.radius.max) : "");
+    if (r.task != "voids")
+        keys.add(words.spheres, grouped(r.count),
+                 r.count > 0 ? fmt::format("radius {:.4g} to {:.4g} mm", r.radius.min, r.radius.max)
+                             : "");
     if (r.solidFractionTotal)
         keys.add("solid fraction", fmt::format("{:.4f}", *r.solidFractionTotal),
                  r.solidFractionInterior ? fmt::format("{:.4f} deeper than three largest radii",
@@ -134,8 +135,16 @@ std::string titleOf(const ReportPage& page) {
     const std::string subject = page.subject.substr(page.subject.rfind('/') + 1);
     if (page.morphometry) return subject + ", bone morphometry";
     const std::string spheres = DimensionWords(r.dim).spheres;
-    return r.task == "pack" ? subject + ", packed with " + spheres
-                            : subject + ", a pack of " + spheres + " measured";
+    return r.task == "pack"      ? subject + ", packed with " + spheres
+           : r.task == "voids"   ? subject + ", cut by voids"
+           : r.task == "carve"   ? subject + ", a pack of " + spheres + " cut by voids"
+           : r.task == "densify" ? subject + ", a pack of " + spheres + " densified"
+                                 : subject + ", a pack of " + spheres + " measured";
+}
+
+/// Whether the page is about spheres: not of a solid, nor of voids alone.
+bool hasSpheres(const ReportPage& page) {
+    return !page.morphometry && page.report.task != "voids";
 }
 
 std::string again(const ReportPage& page) {
@@ -147,7 +156,7 @@ std::string again(const ReportPage& page) {
     if (!r.recipe.empty())
         out += "<details><summary>The whole recipe</summary><pre>" + escaped(r.recipe) +
                "</pre></details>\n";
-    if (page.morphometry) return out + "</div>\n";
+    if (!hasSpheres(page)) return out + "</div>\n";
     if (r.task == "pack")
         out +=
             "<p>The same version, input and settings give the same pack, for any number of "
@@ -173,7 +182,7 @@ std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& fig
         addPack(keys, r);
     keys.add("seconds", fmt::format(r.seconds.total < 0.1 ? "{:.2g}" : "{:.2f}", r.seconds.total),
              fmt::format("on {} thread{}", r.threads, r.threads == 1 ? "" : "s"));
-    if (!page.morphometry) keys.add("hash", hashText(r.hash), "", "hash");
+    if (hasSpheres(page)) keys.add("hash", hashText(r.hash), "", "hash");
 
     std::string out;
     out += "<h1>" + escaped(title) + "</h1>\n<p class='under'>" +
@@ -184,7 +193,7 @@ std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& fig
     out += pictureFigure(page.picture);
     if (!r.warnings.empty())
         out += "<h2>Warnings</h2>\n<div class='card'>" + listOf(r.warnings) + "</div>\n";
-    if (!page.morphometry)
+    if (hasSpheres(page))
         out += "<h2>Charts</h2>\n<div class='charts'>\n" +
                reportCharts(r, page.structure, page.radii) + "</div>\n";
     out += "<h2>All figures</h2>\n<div class='tables'>\n" + figureTables(figures, r.dim == 2) +

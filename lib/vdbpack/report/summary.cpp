@@ -132,6 +132,7 @@ void addParts(Summary& out, const Report& r) {
         std::string text = fmt::format("{}: {} spheres, {:.4f} of {:.6g} mm³", p.name,
                                        grouped(p.count), p.solidFraction, p.volume);
         if (p.bvtv) text += fmt::format(", BV/TV {:.4f}", *p.bvtv);
+        if (p.ks) text += fmt::format(", KS {:.2g}", *p.ks);
         if (p.density > 0) text += fmt::format(", {:g} kg/m³", p.density);
         for (const auto& [region, density] : p.densities)
             text += fmt::format(", region {} {:g} kg/m³", region, density);

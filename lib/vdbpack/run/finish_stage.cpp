@@ -64,7 +64,7 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     write.images = run.settings.images;
     write.generator = generatorWith(
         "vdb_pack " + run.report.version + (run.report.interrupted ? ", interrupted" : ""),
-        run.report.axes);
+        run.pack.origin);
     const SphereDensity density =
         particleDensity(run.settings.density, run.report.solidFractionTotal);
     write.particleDensity = density.all;
@@ -129,7 +129,8 @@ void write(Run<Dim>& run) {
         leaveOutIncomplete(run, outputs);
         for (OutputTarget& output : outputs) output = interruptedName(output.text);
     }
-    run.pack.axes = report.axes;
+    const BondOptions bonds = bondOptionsOf(settings);
+    run.pack.origin = {report.axes, bonds.tolerance, bonds.interfaceTolerance};
     const RunOutputs<Dim> have = outputsOf(run);
     if (have.pack)
         keepDensities(run.pack, run.pack.spheres.size(), have.options.particleDensity,

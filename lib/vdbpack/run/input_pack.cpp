@@ -101,15 +101,19 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
 
 bool warnOfOutside(const std::vector<double>& depths, const std::string& domain,
                    const Callbacks& callbacks) {
-    constexpr double kMostOutside = 0.01;
     const auto outside =
         std::count_if(depths.begin(), depths.end(), [](double d) { return d > 0; });
-    if (static_cast<double>(outside) <= kMostOutside * static_cast<double>(depths.size()))
-        return false;
+    return warnOfOutside(static_cast<std::uint64_t>(outside), depths.size(), domain, callbacks);
+}
+
+bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& domain,
+                   const Callbacks& callbacks) {
+    constexpr double kMostOutside = 0.01;
+    if (static_cast<double>(outside) <= kMostOutside * static_cast<double>(count)) return false;
     callbacks.warn(
         fmt::format("{} of {} spheres have their center outside of {}, which is another body's "
                     "domain; check `domain`, `label`, `mask`, `space` and units",
-                    outside, depths.size(), domain));
+                    outside, count, domain));
     return true;
 }
 

@@ -40,7 +40,10 @@ std::optional<DomainSource> domainAround(const DomainRecipe& recipe, int dim,
                                          const Callbacks& callbacks);
 
 /// Warns of a domain that is another body's than the spheres': centers lie outside of it.
-/// @param depths  signed distances of all centers. @return whether it did
+/// @return whether it did
+bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& domain,
+                   const Callbacks& callbacks);
+/// @param depths  signed distances of all centers.
 bool warnOfOutside(const std::vector<double>& depths, const std::string& domain,
                    const Callbacks& callbacks);
 
@@ -71,7 +74,7 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
         const auto source = std::make_shared<const DomainSource>(domain, heard);
         report.seconds.mesh = clock.lap();
         beginOn({source.get()}, recipe, voids, report, heard, true);
-        if (report.axes.empty()) report.axes = pack.axes;
+        if (report.axes.empty()) report.axes = pack.origin.axes;
         warnOfUnused(domain, *source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, voids, source->dim());
         if (source->dim() == 2) {

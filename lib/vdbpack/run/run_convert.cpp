@@ -54,6 +54,7 @@ void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptio
                      [](const OutputTarget& output) { return output.listsPairs(); }))
         return;
     const auto pairs = bondedPairs(pack, options);
+    warnOfTolerance(recipe.pack, pack.origin, options, callbacks);
     warnOfLooseParts(pack, pairs, callbacks);
     result.pairs = pairs.size();
     result.tolerance = options.tolerance;
@@ -103,9 +104,9 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         const auto depths = have.domain->signedDistances(centers);
         const std::string axes = axesOf(*source);
         if (!warnOfOutside(depths, describe(recipe.domain), callbacks) && !axes.empty())
-            pack.axes = axes;
+            pack.origin.axes = axes;
     }
-    write.generator = generatorWith(kGenerator, pack.axes);
+    write.generator = generatorWith(kGenerator, pack.origin);
     if constexpr (Dim == 3) {
         std::vector<const DomainSource*> sources;
         if (source) {
@@ -125,6 +126,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.hash = packHash(pack);
     addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
     keepDensities(pack, pack.spheres.size(), write.particleDensity, write.materialDensity);
+    warnOfUnusedBonds(recipe, callbacks);
     noteDensity(recipe, pack, result);
     if constexpr (Dim == 3) notePairs(recipe, pack, write.bonds, result, callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);

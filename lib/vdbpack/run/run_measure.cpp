@@ -97,6 +97,9 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
             recipe, std::move(*pack), std::move(report),
             [&](const RadiusStatistics& r) { return structureDepth(r, recipe.shell); }, heard,
             [&](const auto& spheres, const auto* domain, const Report& measured) {
+                if (measured.protrusion)
+                    warnOfOutside(measured.protrusion->centersOutside, measured.count,
+                                  describe(recipe.domain), heard);
                 measureFurther(spheres, domain, measured, recipe, found, heard);
             },
             recipe.sphereMorphometry);

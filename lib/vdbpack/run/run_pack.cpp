@@ -137,7 +137,8 @@ void packAll(const std::vector<PackRecipe>& recipes, const SourcePtr& source, co
         prepare<Dim>(recipes.front(), *source, keepingWarnings(callbacks, first.warnings));
     first.seconds.domain = clock.lap();
     for (const PackRecipe& recipe : recipes) {
-        if (!done(packPrepared(recipe, source, prepared, first, clock, centers, callbacks))) return;
+        const Callbacks own = namingRun(recipe, recipe.seed, recipes.size(), callbacks);
+        if (!done(packPrepared(recipe, source, prepared, first, clock, centers, own))) return;
         // Seconds spent once are reported once.
         first.seconds = {};
         clock = Clock();

@@ -31,9 +31,20 @@ struct PackedParts {
     bool interrupted = false;
     double measuring = 0;  ///< seconds
     double searching = 0;  ///< seconds of rounds that are not kept
-    std::string chosen;    ///< radii of a later round
+    std::string chosen;    ///< radii that were found for all
     Clock clock{};
 };
+
+/// Its radii are those of all parts, which `packToTarget` states; the count was its share of
+/// theirs.
+void forgetShare(Report& report) {
+    auto& chosen = report.chosen;
+    chosen.erase(std::remove_if(chosen.begin(), chosen.end(),
+                                [](const std::string& text) {
+                                    return text.find(", so that about ") != std::string::npos;
+                                }),
+                 chosen.end());
+}
 
 PackedParts packInTurn(SharedRadii& radii, Parts& parts, const Report& begun, const Clock& clock,
                        const Callbacks& callbacks) {
@@ -61,6 +72,7 @@ PackedParts packInTurn(SharedRadii& radii, Parts& parts, const Report& begun, co
         const Run<3>& run = *packed.runs[k];
         packed.clock = run.clock;
         packed.measuring += packed.clock.lap();
+        if (radii.leads(k)) forgetShare(packed.runs[k]->report);
         radii.take(run.sizes->all, k);
         packed.interrupted = run.report.interrupted;
     }
@@ -87,6 +99,7 @@ PackedParts packToTarget(SharedRadii& radii, Parts& parts, const Report& begun, 
     const auto miss = [&](const PackedParts& p) { return std::fabs(radii.count(p.runs) - target); };
     PackedParts best = packInTurn(radii, parts, begun, clock, callbacks);
     if (!(target > 0)) return best;
+    best.chosen = radii.chosen();
     double count = radii.count(best.runs);
     for (int round = 1; round < kMostRounds && count > 0 && !best.interrupted; ++round) {
         if (miss(best) <= std::max(kNear * target, 0.5)) break;
@@ -175,6 +188,7 @@ private:
         one.solidFraction = r.solidFractionTotal.value_or(0);
         one.interior = r.solidFractionInterior;
         if (r.voids) one.bvtv = r.voids->bvtv;
+        one.ks = r.ks;
         if (r.protrusion) one.protrusion = r.protrusion->max;
         const SphereDensity density = particleDensity(recipe.density, r.solidFractionTotal);
         one.density = density.all;

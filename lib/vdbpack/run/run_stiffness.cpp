@@ -279,6 +279,7 @@ StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& cal
         result.volume = body.volume;
         result.seconds.domain = clock.lap();
         BondOptions options = bondOptionsOf(recipe);
+        warnOfTolerance(recipe.pack, pack.origin, options, heard);
         if (recipe.press)
             press(recipe, pack, options, body, result, heard);
         else if (recipe.fits)

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,22 +20,36 @@ namespace vdbpack {
 
 namespace {
 
+/// Refuses domains in another order than the parts of a pack. @throws InputError
+void checkOrder(const std::string& file, const Pack<3>& pack, const Parts& parts) {
+    const std::vector<std::string>& names = partNames(pack);
+    std::vector<std::string> given;
+    for (const Part& part : parts) given.push_back(part.recipe.name);
+    if (names != given &&
+        std::is_permutation(names.begin(), names.end(), given.begin(), given.end()))
+        throw InputError(fmt::format(
+            "{}: its parts were packed in another order, on which their walls depend; list them as "
+            "{}",
+            file, fmt::join(names, ", ")));
+}
+
 /// Spheres of each part by their number in a pack. @throws InputError if some have none
 std::vector<std::vector<std::size_t>> membersOf(const std::string& file, const Pack<3>& pack,
-                                                std::size_t parts) {
+                                                const Parts& parts) {
+    checkOrder(file, pack, parts);
     const Materials materials(pack);
     if (!materials.hasParts())
         throw InputError(file +
                          ": has no column `part` that says which of several parts each "
                          "sphere fills; verify the parts one by one, with their own files");
-    std::vector<std::vector<std::size_t>> members(parts);
+    std::vector<std::vector<std::size_t>> members(parts.size());
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
         const auto part = static_cast<std::size_t>(materials.partOf(i));
-        if (part >= parts)
-            throw InputError(
-                fmt::format("{}: sphere {} is of part {}, and there are {} parts, "
-                            "counted from 0; give the domains it was packed in",
-                            file, pack.id.empty() ? std::int64_t(i) : pack.id[i], part, parts));
+        if (part >= parts.size())
+            throw InputError(fmt::format(
+                "{}: sphere {} is of part {}, and there are {} parts, "
+                "counted from 0; give the domains it was packed in",
+                file, pack.id.empty() ? std::int64_t(i) : pack.id[i], part, parts.size()));
         members[part].push_back(i);
     }
     return members;
@@ -42,7 +57,7 @@ std::vector<std::vector<std::size_t>> membersOf(const std::string& file, const P
 
 /// Holds each sphere against the wall of its own part.
 void verifyParts(const Parts& parts, const std::string& file, Pack<3>& pack, Report& report) {
-    const auto members = membersOf(file, pack, parts.size());
+    const auto members = membersOf(file, pack, parts);
     report.domain.kind = "parts";
     ProtrusionCheck all;
     double covered = 0;

@@ -67,8 +67,9 @@ void voidsEach(const std::vector<VoidsRecipe>& asked, const Callbacks& caller,
         checkOutputKinds(first.outputs, RunKind::voids, first.voids, source->dim());
         for (const auto& recipe : recipes) {
             report.seed = recipe.seed;
-            if (!done(source->dim() == 3 ? cutDomain<3>(recipe, source, report, clock, callbacks)
-                                         : cutDomain<2>(recipe, source, report, clock, callbacks)))
+            const Callbacks own = namingRun(recipe, recipe.seed, recipes.size(), callbacks);
+            if (!done(source->dim() == 3 ? cutDomain<3>(recipe, source, report, clock, own)
+                                         : cutDomain<2>(recipe, source, report, clock, own)))
                 return;
             // Seconds spent once are reported once.
             report.seconds = {};

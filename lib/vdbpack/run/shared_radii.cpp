@@ -60,7 +60,7 @@ void SharedRadii::prepare(PackRecipe& part, std::size_t k) const {
 }
 
 void SharedRadii::take(const SizeDistribution& sizes, std::size_t k) {
-    if (shared_[k] && k == first_) found_ = sizes;
+    if (leads(k)) found_ = sizes;
 }
 
 double SharedRadii::count(const std::vector<std::unique_ptr<Run<3>>>& runs) const {

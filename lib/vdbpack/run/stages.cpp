@@ -84,6 +84,7 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
              const VoidRecipe& voids, Report& report, const Callbacks& callbacks, bool hasPack,
              const std::string& sizeField) {
     warnOfLightness(settings.density, callbacks);
+    warnOfUnusedBonds(settings, callbacks);
     for (const DomainSource* source : sources) {
         if (!source->isPeriodic()) continue;
         const std::string& name = source->recipe().source;
@@ -133,6 +134,33 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
 std::string axesOf(const DomainSource& source) {
     if (!source.imageGrid()) return "";
     return source.recipe().space == ImageSpace::ras ? "RAS" : "LPS";
+}
+
+void warnOfUnusedBonds(const RunSettings& settings, const Callbacks& callbacks) {
+    const BondOptions& bonds = settings.bonds;
+    const BondLaw& law = bonds.law;
+    const BondOptions usual;
+    const bool isSet =
+        law.modulus != usual.law.modulus || law.isHinged || law.breakingStrain ||
+        law.radiusFactor != usual.law.radiusFactor || law.shearRatio != usual.law.shearRatio ||
+        law.shearStrength != usual.law.shearStrength || bonds.classes != usual.classes;
+    if (isSet && std::none_of(settings.outputs.begin(), settings.outputs.end(),
+                              [](const OutputTarget& output) { return output.listsBonds(); }))
+        callbacks.warn(
+            "what bonds are made of has no effect, as no output lists them; write bonds:FILE.csv, "
+            "or leave it out");
+}
+
+Callbacks namingRun(const RunSettings& settings, std::uint64_t seed, std::size_t seeds,
+                    const Callbacks& callbacks) {
+    std::string name;
+    for (const auto& [option, value] : settings.varied) name += option + ' ' + value + ", ";
+    if (seeds > 1) name += fmt::format("seed {}, ", seed);
+    if (name.empty()) return callbacks;
+    name.replace(name.size() - 2, 2, ": ");
+    Callbacks own = callbacks;
+    own.warning = [name, &callbacks](const std::string& text) { callbacks.warn(name + text); };
+    return own;
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {

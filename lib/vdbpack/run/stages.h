@@ -199,6 +199,13 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
 /// The axes of the world of an image, "LPS" or "RAS"; of other domains empty.
 std::string axesOf(const DomainSource& source);
 
+/// Warns of bonds that no output lists.
+void warnOfUnusedBonds(const RunSettings& settings, const Callbacks& callbacks);
+
+/// Callbacks whose warnings name a run of several: its seed, and the options that vary.
+Callbacks namingRun(const RunSettings& settings, std::uint64_t seed, std::size_t seeds,
+                    const Callbacks& callbacks);
+
 /// The head of a report. @param subject  what the run works on.
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject);
 

@@ -22,7 +22,7 @@ template <int Dim>
 void addView(const PreviewOptions& recipe, const DomainSource* source,
              const DomainSource::Built& built, const Pack<Dim>& pack, const TriangleMesh* wall,
              bool large, PagePicture& picture) {
-    ViewOptions options{source ? inWorldOf(*source, recipe) : recipe};
+    ViewOptions options{source ? inWorldOf(*source, recipe) : inWorldOf(pack.origin, recipe)};
     options.large = large;
     ViewScene<Dim> scene;
     scene.pack = &pack;
