@@ -50,6 +50,7 @@ void checkWithoutDomain(const ConvertRecipe& recipe, const Callbacks& callbacks)
 /// Counts the pairs that outputs list, and warns of parts that they hardly join.
 void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptions& options,
                ConvertResult& result, const Callbacks& callbacks) {
+    warnOfUnusedBonds(recipe, callbacks);
     if (std::none_of(recipe.outputs.begin(), recipe.outputs.end(),
                      [](const OutputTarget& output) { return output.listsPairs(); }))
         return;
@@ -126,7 +127,6 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.hash = packHash(pack);
     addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
     keepDensities(pack, pack.spheres.size(), write.particleDensity, write.materialDensity);
-    warnOfUnusedBonds(recipe, callbacks);
     noteDensity(recipe, pack, result);
     if constexpr (Dim == 3) notePairs(recipe, pack, write.bonds, result, callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
