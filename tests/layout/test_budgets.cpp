@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 91626},
-    {"lib/python", 2057},
+    {"lib", 91739},
+    {"lib/python", 2059},
     {"lib/vdbpack/core", 2496},
     {"lib/vdbpack/io", 2961},
-    {"lib/vdbpack/mesh", 3880},
+    {"lib/vdbpack/mesh", 3881},
     {"lib/vdbpack/verify", 2328},
     {"lib/vdbpack/image", 5703},
     {"lib/vdbpack/field", 5965},
@@ -36,15 +36,15 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5539},
     {"lib/vdbpack/voids", 8061},
-    {"lib/vdbpack/formats", 10055},
-    {"lib/vdbpack/report", 3921},
+    {"lib/vdbpack/formats", 10129},
+    {"lib/vdbpack/report", 3926},
     {"lib/vdbpack/preview", 3422},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3488},
-    {"lib/vdbpack/run", 6648},
+    {"lib/vdbpack/options", 3490},
+    {"lib/vdbpack/run", 6677},
     {"tools", 3841},
-    {"tests", 34320},
+    {"tests", 34410},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

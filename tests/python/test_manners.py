@@ -24,6 +24,7 @@ VERTICES, FACES = cube(10)
     [
         (vdbpack.box(5, 5, 5), {"radius": "uniform:2"}, vdbpack.ParameterError, "uniform"),
         (vdbpack.box(5, 5, 5), {"radios": 1}, vdbpack.ParameterError, "radios is not an option of pack; did you mean radius?"),
+        (vdbpack.box(5, 5, 5), {"target-count": 9}, vdbpack.ParameterError, "did you mean target_count?"),
         (vdbpack.box(5, 5, 5), {"density_classes": 3}, vdbpack.ParameterError, "density_classes requires calibrate"),
         (vdbpack.box(5, 5, 5), {"block_side": "a"}, vdbpack.ParameterError, "block_side: 'a' is not a number"),
         (vdbpack.box(5, 5, 5), {"keep_conected": False}, vdbpack.ParameterError, "keep_connected"),

@@ -1,4 +1,5 @@
 // What the next person learns from a run, its page and its files.
+#include "formats/lattice_pack.h"
 #include "support/generators.h"
 #include "support/image_file.h"
 #include "support/jobs.h"
@@ -6,6 +7,8 @@
 #include "support/text_file.h"
 #include "support/tool.h"
 
+#include "vdbpack/formats/materials.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/preview/result_picture.h"
@@ -38,10 +41,92 @@ TEST_CASE("fewer pairs are listed than a pack was made with: a warning names its
     runPack(job);
     auto convert = onPack<ConvertRecipe>(folder.file("p.vtp"), {}, "bonds:" + folder.file("b.csv"));
     CHECK(mentions(runConvert(convert).warnings, "`contactTolerance` 0.05"));
+    CHECK(runConvert(convert).modulus == 1000);
     convert.contactTolerance = 0.05;
     CHECK(runConvert(convert).warnings.empty());
     convert.contactTolerance = 0.1;
     CHECK(runConvert(convert).warnings.empty());
+}
+
+TEST_CASE("parts and regions come back from what simulations read, or are said to be lost") {
+    const TemporaryFolder folder;
+    Pack<3> pack = latticePack<3>(40, {{0, 0, 0}}, 30, 2);
+    pack.region.resize(40);
+    Column part{kPartColumn, {}, {}, {}}, density{kClassColumn, {}, {}, {}};
+    for (std::size_t i = 0; i < 40; ++i) {
+        pack.region[i] = i % 2 == 0;
+        part.numbers.push_back(i < 15 ? 0 : 1);
+        density.numbers.push_back(static_cast<double>(i % 3));
+    }
+    pack.columns = {part};
+    setPartNames(pack, {"femur", "implant"});
+    PackWriteOptions options;
+    options.generator = generatorWith("a program", {"LPS", 0.02, 0.5});
+    for (const std::string file : {"data", "yade"}) {
+        CAPTURE(file);
+        const std::string path = (file == "yade" ? "yade:" : "") + folder.file("p." + file);
+        pack.columns = {part};
+        setPartNames(pack, {"femur", "implant"});
+        writePack(pack, path, options);
+        const auto read = readPack(path);
+        CHECK(read.region == pack.region);
+        REQUIRE(columnOfNumbers(read, kPartColumn) != nullptr);
+        CHECK(columnOfNumbers(read, kPartColumn)->numbers == part.numbers);
+        CHECK(partNames(read) == partNames(pack));
+        CHECK(read.origin.interfaceTolerance == 0.5);
+        pack.columns = {part, density};
+        writePack(pack, path, options);
+        Listener listener;
+        PackReadOptions heard;
+        heard.callbacks = listener.callbacks;
+        CHECK(columnOfNumbers(readPack(path, heard), kPartColumn) == nullptr);
+        CHECK(listener.heard("density class"));
+    }
+}
+
+TEST_CASE("a domain in other axes than those of its spheres is refused with the remedy") {
+    const TemporaryFolder folder;
+    auto job = halvesIn(folder.file("halves.nrrd"));
+    job.domain.label = "5";
+    job.domain.space = ImageSpace::ras;
+    job.outputs = {folder.file("p.vtp")};
+    runPack(job);
+    const std::string pack = folder.file("p.vtp");
+    const auto on = [&](auto recipe) {
+        recipe.domain.label = "5";
+        return recipe;
+    };
+    const auto remedy = Contains("`space` ras");
+    CHECK_THROWS_WITH(runMeasure(on(onPack<MeasureRecipe>(pack, job.domain.source))), remedy);
+    CHECK_THROWS_WITH(runVerify(on(onPack<VerifyRecipe>(pack, job.domain.source))), remedy);
+    CHECK_THROWS_WITH(
+        runConvert(on(onPack<ConvertRecipe>(pack, job.domain.source, folder.file("q.data")))),
+        remedy);
+    auto carve = on(onPack<CarveJob>(pack, job.domain.source, folder.file("c.data")));
+    setVoids(carve.request, "boolean", "constant:2", 0.7);
+    CHECK_THROWS_WITH(runCarve(carve), remedy);
+    CHECK(runMeasure(onPack<MeasureRecipe>(pack)).run.report.axes == "RAS");
+}
+
+TEST_CASE("a carved pack keeps the tolerance between its parts, and says which pairs it loses") {
+    const TemporaryFolder folder;
+    auto pack = latticePack<3>(300, {{0, 0, 0}}, 30, 3);
+    PackWriteOptions options;
+    options.generator = generatorWith("a program", {"", 0.1, 0.5});
+    writePack(pack, folder.file("p.vtp"), options);
+    auto carve =
+        onPack<CarveJob>(folder.file("p.vtp"), "box:-20,-20,-20,40,40,40", folder.file("c.vtp"));
+    setVoids(carve.request, "boolean", "constant:2", 0.9);
+    CHECK(mentions(runCarve(carve).report.warnings, "`interfaceTolerance` 0.5"));
+    CHECK(readPack(folder.file("c.vtp")).origin.interfaceTolerance == 0.5);
+}
+
+TEST_CASE("coefficients of bonds of one class are refused before anything is packed") {
+    const TemporaryFolder folder;
+    auto job = recipeFor("box:6,6,6", "constant:0.7", folder.file("p.vtp"));
+    job.outputs.emplace_back("bond-coeffs:" + folder.file("b.lmp"));
+    CHECK_THROWS_WITH(runPack(job), Contains("`bondClasses`"));
+    CHECK(contentOf(folder.file("p.vtp")).empty());
 }
 
 TEST_CASE("a page of voids is about voids") {
@@ -115,6 +200,10 @@ TEST_CASE("measure warns of another body's domain") {
     const auto measured =
         runMeasure(onPack<MeasureRecipe>(folder.file("p.csv"), "box:30,30,30,40,40,40"));
     CHECK(mentions(measured.run.report.warnings, "another body's domain"));
+}
+
+TEST_CASE("a folder that is not there is missing, and no format") {
+    CHECK_THROWS_WITH(runPack(recipeFor("/no-folder/", "constant:1")), Contains("No such file"));
 }
 
 TEST_CASE("warnings of a study name their run") {

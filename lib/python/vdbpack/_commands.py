@@ -45,7 +45,9 @@ def _given(command: str, options: Mapping[str, Any], folder: str) -> Tuple[List[
     for name, value in options.items():
         option = _TABLE[command].get(name)
         if not re.fullmatch("[a-z][a-z0-9_]*", name) or name == "help":
-            raise ParameterError(f"{name!r}: is no option")
+            dashed = name.replace("-", "_")
+            hint = f"; did you mean {dashed}?" if dashed in _TABLE[command] else ""
+            raise ParameterError(f"{name!r}: is no option{hint}")
         if isinstance(value, numpy.bool_):
             value = bool(value)
         if value is None or value is False:

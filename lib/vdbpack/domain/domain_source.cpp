@@ -128,7 +128,7 @@ void DomainSource::takeShape(const NamedShape& shape) {
         wall3_ = spaceWall(shape);
     const std::string& text = recipe_.source;
     if (recipe_.slice && plane_)
-        throw ParameterError("`slice` cuts a domain of space; '" + text + "' is plane already");
+        throw ParameterError("`slice` cuts a 3D domain; '" + text + "' is plane already");
     if (recipe_.pose.any())
         throw ParameterError(text +
                              ": is a shape about the origin, and only files can be moved by "

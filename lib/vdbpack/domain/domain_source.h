@@ -90,7 +90,7 @@ public:
     }
     bool isSpaced() const { return spaced_; }  ///< whether that image does
     bool isSided() const { return sided_; }    ///< the same; false: it comes from no image
-    /// Around a domain of space; for a file, without its clips.
+    /// Around a 3D domain; for a file, without its clips.
     Box<3> domainBounds() const { return space_ ? space_->bounds() : fileBounds_; }
 
     /// The domain, its field made for spheres down to `minRadius` and up to `maxRadius` (mm).

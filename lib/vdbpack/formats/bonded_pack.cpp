@@ -117,13 +117,17 @@ std::vector<BondClass> classesOf(const std::vector<Bond>& bonds, std::size_t cou
 
 }  // namespace
 
-void writeBondCoefficients(const std::vector<Bond>& bonds, const BondOptions& options,
-                           const std::string& file, Unit unit) {
+void checkBondClasses(const std::string& output, const BondOptions& options) {
     if (options.classes == 1)
         throw ParameterError(
-            "bond-coeffs:" + file +
+            output +
             ": bonds of one class share no stiffness; set `bondClasses` to 0, a class for each "
             "bond, or to a number of classes");
+}
+
+void writeBondCoefficients(const std::vector<Bond>& bonds, const BondOptions& options,
+                           const std::string& file, Unit unit) {
+    checkBondClasses("bond-coeffs:" + file, options);
     const double per = fromMillimeters(1, unit);  // units of length per mm
     const bool strong = options.law.breakingStrain.has_value();
     OutputFile out(file);

@@ -26,6 +26,9 @@ std::vector<Bond> bondsIn(const Pack<3>& pack, const BondOptions& options);
 void writeBonds(const Pack<3>& pack, const std::vector<Bond>& bonds, const std::string& file,
                 Unit unit);
 
+/// Refuses coefficients of a single class. @throws ParameterError
+void checkBondClasses(const std::string& output, const BondOptions& options);
+
 /// Commands for LAMMPS that give the bonds of `lammps-bonds:FILE` their stiffness: where each has
 /// a class of its own (`options.classes` 0), `bond_style harmonic` with its length; else
 /// `bond_style bpm/rotational` with the means of the classes. Whole or absent.

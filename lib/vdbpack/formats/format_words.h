@@ -28,8 +28,8 @@ inline constexpr const char* kLammpsDensity = "; density ";    // its unit follo
 inline constexpr const char* kLammpsGiven = "as it was given";
 inline constexpr const char* kLammpsBonded = "hybrid sphere bond";
 
-/// Of a YADE file with names of parts: its materials are these.
-inline constexpr std::string_view kYadeOfParts = "# matId = part";
+/// Of a YADE file: what its materials are (`Materials::formula`), where they are not regions.
+inline constexpr std::string_view kYadeMaterials = "# matId = ";
 
 /// Before the lengths of a cell that is periodic along all axes, as YADE's SpherePack writes them.
 inline constexpr std::string_view kYadeCell = "##PERIODIC::";

@@ -113,7 +113,7 @@ std::optional<ImageGrid> labelGridOf(const std::vector<OutputTarget>& outputs,
     if (!output) return std::nullopt;
     if (sources.empty() || sources.front()->dim() != 3)
         throw ParameterError(output->text +
-                             ": label maps need a domain of space; set `domain`, or leave it out");
+                             ": label maps need a 3D domain; set `domain`, or leave it out");
     const ImageGrid grid = chosenGrid(output->text, sources);
     const double bytes = 5 * static_cast<double>(grid.voxels());
     if (residentMemory() + bytes > memoryLimit(limit))
@@ -136,7 +136,7 @@ void warnOfUnusedSpacing(const std::vector<OutputTarget>& outputs,
 void writeLabels(const OutputTarget& target, const Pack<3>* pack, const LabelSource& source,
                  const std::string& generator) {
     const std::string &output = target.text, &what = target.labels;
-    if (!source.grid) throw ParameterError(output + ": this run has no domain of space to label");
+    if (!source.grid) throw ParameterError(output + ": this run has no 3D domain to label");
     if (what != "solid" && !pack)
         throw ParameterError(
             output + ": this run has no spheres; name it labels-solid:FILE to write the solid");

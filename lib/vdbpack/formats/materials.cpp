@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
 
@@ -87,6 +88,30 @@ Materials::Kind Materials::kindOf(std::int32_t material) const {
     }
     const std::int32_t regions = std::max(regions_, 1);
     return {plain / regions, plain % regions, densityClass};
+}
+
+MaterialNumbers::MaterialNumbers(std::string_view text, std::string_view word) {
+    const auto at = text.find(word);
+    if (at == std::string_view::npos) return;
+    const std::string_view rest = text.substr(at + word.size());
+    formula = std::string(rest.substr(0, rest.find(';')));
+    const auto end = formula.find(" part + region");
+    std::int64_t stated = 0;
+    constexpr std::int64_t kMostRegions = 1000;
+    if (end != std::string::npos && parseNumber(formula.substr(0, end), stated) && stated > 0 &&
+        stated <= kMostRegions)
+        regions = static_cast<std::int32_t>(stated);
+}
+
+void MaterialNumbers::split(PackAttributes& pack) const {
+    if (regions == 0 || pack.region.empty()) return;
+    Column part;
+    part.name = kPartColumn;
+    for (std::int32_t& region : pack.region) {
+        part.numbers.push_back(region / regions);
+        region %= regions;
+    }
+    pack.columns.push_back(std::move(part));
 }
 
 std::string Materials::formula() const {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdbpack {
@@ -26,6 +27,21 @@ const Column* columnOfNumbers(const PackAttributes& pack, const char* name);
 const std::vector<std::string>& partNames(const PackAttributes& pack);
 /// Gives them to its parts, if it has any.
 void setPartNames(PackAttributes& pack, std::vector<std::string> names);
+
+/// What a file says that its numbers of materials are (`Materials::formula`), and how parts and
+/// regions follow from them.
+struct MaterialNumbers {
+    std::string formula;
+    std::int32_t regions = 0;  ///< of each part, "2 part + region"; 0: parts have none
+
+    MaterialNumbers() = default;
+    /// @param text  of a comment. @param word  after which the formula stands there
+    MaterialNumbers(std::string_view text, std::string_view word);
+    /// Whether they are a count of what occurs, from which nothing follows.
+    bool areCounted() const { return formula.compare(0, 9, "number of") == 0; }
+    /// Splits the numbers in the column `region` of a pack into parts and regions.
+    void split(PackAttributes& pack) const;
+};
 
 /// Materials of a pack, counted from 0: its regions, or its parts; where parts have several
 /// regions, the regions of each part one after another (part 1, region 0 of two: 2). Where spheres

@@ -7,6 +7,7 @@
 #include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/formats/pack_target.h"
 #include "vdbpack/formats/with_images.h"
+#include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>

@@ -98,6 +98,13 @@ private:
             boundary_ = line.substr(boundary + std::string_view(kLammpsBoundary).size(), 5);
         for (const char* one : {"region", "part"})
             if (says((kLammpsTypeIs + std::string(one) + " + 1").c_str())) material_ = one;
+        materials_ = MaterialNumbers(line, kLammpsTypeIs);
+        if (materials_.regions > 0) material_ = "region";
+        if (materials_.areCounted())
+            options_.callbacks.warn(fmt::format(
+                "{}: types are the {}, from which parts and regions are not read back, so that "
+                "pairs between parts are not known; read the pack's .vtp or .vdb",
+                file_.path(), materials_.formula));
         bonded_ = says(kLammpsBonded);
         origin_ = originIn(line);
     }
@@ -211,6 +218,7 @@ private:
             };
         Pack<3> pack = readTable(file_, table);
         pack.origin = origin_;
+        materials_.split(pack);
         if (table.names.back() == "molecule")
             pack.columns.pop_back();  // our writer puts all atoms into no molecule
         if (nextContent(line) && isNumber(words_.front()))
@@ -245,6 +253,7 @@ private:
     StatedBox box_;                          ///< of the header
     bool hasBox_ = false;
     std::vector<std::string> partNames_;
+    MaterialNumbers materials_;
     std::string material_;  ///< what types are one more than, according to the title; or empty
     std::map<std::string, std::uint64_t, std::less<>> counts_;  ///< of the header
     Cells words_;

@@ -72,12 +72,15 @@ struct YadeHeader {
     std::string comment;  ///< the last one
     std::string cell, periods;
     std::vector<std::string> partNames;
+    MaterialNumbers materials;
+    PackOrigin origin;
 };
 
 /// @param options  whose unit is set
 void takeComment(std::string_view line, const InputFile& file, YadeHeader& header,
                  PackReadOptions& options) {
-    static const std::string kCellNote = std::string(kCellKey) + ": ";
+    static const std::string kCellNote = std::string(kCellKey) + ": ",
+                             kGeneratorNote = "# " + std::string(kGeneratorKey) + ": ";
     if (startsWith(line, kFormat)) {
         const auto format = trimmed(line.substr(kFormat.size()));
         header.hasFormat = true;
@@ -89,8 +92,18 @@ void takeComment(std::string_view line, const InputFile& file, YadeHeader& heade
         header.cell = line.substr(line.find(kCellNote) + kCellNote.size());
     } else if (startsWith(line, kYadeCell)) {
         header.periods = line.substr(kYadeCell.size());
-    } else if (line == kYadeOfParts && header.names.back() == "region") {
-        header.names.back() = kPartColumn;
+    } else if (startsWith(line, kYadeMaterials) && header.names.back() == "region") {
+        header.materials = MaterialNumbers(line, kYadeMaterials);
+        if (header.materials.formula == kPartColumn) header.names.back() = kPartColumn;
+        if (header.materials.areCounted()) {
+            header.names.back() = "matId";
+            options.callbacks.warn(fmt::format(
+                "{}: materials are the {}, from which parts and regions are not read back; read "
+                "the pack's .vtp or .vdb",
+                file.path(), header.materials.formula));
+        }
+    } else if (startsWith(line, kGeneratorNote)) {
+        header.origin = originIn(line);
     } else if (!takePartComment(line, header.partNames)) {
         options.unit = unitIn(line, options.unit, file);
         header.comment = line.substr(1);
@@ -135,7 +148,9 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
     };
     Pack<3> pack = readTable(file, table);
     dropNoClumps(pack.columns);
+    header.materials.split(pack);
     setPartNames(pack, std::move(header.partNames));
+    pack.origin = header.origin;
     // The periods have no corner: positions are those of any image.
     if (header.cell.empty() && !header.periods.empty()) header.cell = "xyz 0 0 0 " + header.periods;
     if (!header.cell.empty()) pack.cell = cellIn(header.cell, table.options.unit, path);

@@ -29,8 +29,9 @@ PackTextRows yadeRows(const PackView& pack, const PackWriteOptions& options) {
         rows.header += fmt::format("# {}: {}\n", kCellKey, cellText(pack.cell()));
     if (!options.generator.empty())
         rows.header += fmt::format("# {}: {}\n", kGeneratorKey, oneLine(options.generator));
-    if (const std::string names = partComments(pack.attributes()); !names.empty())
-        rows.header += fmt::format("# matId = {}\n", materials.formula()) + names;
+    if (const std::string formula = materials.formula(); !formula.empty() && formula != "region")
+        rows.header += fmt::format("{}{}\n", kYadeMaterials, formula);
+    rows.header += partComments(pack.attributes());
     rows.append = [&pack, materials](std::string& text, std::size_t i) {
         for (const double c : pack.position(i)) {
             appendNumber(text, c);

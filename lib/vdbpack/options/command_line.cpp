@@ -261,7 +261,9 @@ std::vector<std::pair<std::string, std::vector<std::string>>> variedIn(const Com
         if (!canVary(option) || texts.empty()) continue;
         const auto values = splitAt(texts.front(), ',');
         if (values.size() < 2) continue;
-        const bool comma = values.size() == 2 && texts.front().find('.') == std::string::npos;
+        // 3000,5000 are two numbers; 0,5 may be one.
+        const bool comma = values.size() == 2 && values[0].size() < 4 &&
+                           texts.front().find('.') == std::string::npos;
         if (table->count() == 0)
             throw CLI::ValidationError(
                 '`' + option.name + '`',

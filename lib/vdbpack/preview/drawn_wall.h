@@ -11,7 +11,7 @@
 
 namespace vdbpack {
 
-/// The wall of a domain of space as triangles: its own where it has some, else a contour.
+/// The wall of a 3D domain as triangles: its own where it has some, else a contour.
 class WallMesh {
 public:
     /// @param known  the wall, if it is known already.

@@ -121,6 +121,7 @@ nlohmann::ordered_json toJson(const ConvertResult& result) {
     if (result.hash != 0) json["hash"] = hashText(result.hash);
     if (result.pairs) json["pairs"] = *result.pairs;
     if (result.density) json["density"] = *result.density;
+    if (result.modulus) json["modulus"] = *result.modulus;
     json["found"] = toJson(result.found);
     json["files"] = result.files;
     json["warnings"] = result.warnings;
@@ -144,6 +145,9 @@ std::string summary(const ConvertResult& result) {
                             : "");
     if (result.density)
         text += fmt::format("density    {:g} kg/m³, as none is stated\n", *result.density);
+    if (result.modulus)
+        text += fmt::format("bonds      {:g} MPa, as spheres have no modulus of their own\n",
+                            *result.modulus);
     for (const std::string& file : result.files) text += fmt::format("written    {}\n", file);
     return text;
 }

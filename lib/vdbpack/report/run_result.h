@@ -116,6 +116,7 @@ struct ConvertResult {
     double tolerance = 0, interfaceTolerance = 0;
     /// Of spheres in files for LAMMPS, kg/m³, where neither the run nor the pack states one.
     std::optional<double> density;
+    std::optional<double> modulus;  ///< the same of bonds, MPa
     FoundValues found;
     std::vector<std::string> files, warnings;
 };

@@ -130,7 +130,8 @@ void write(Run<Dim>& run) {
         for (OutputTarget& output : outputs) output = interruptedName(output.text);
     }
     const BondOptions bonds = bondOptionsOf(settings);
-    run.pack.origin = {report.axes, bonds.tolerance, bonds.interfaceTolerance};
+    run.pack.origin = {report.axes, bonds.tolerance,
+                       std::max(bonds.interfaceTolerance, run.pack.origin.interfaceTolerance)};
     const RunOutputs<Dim> have = outputsOf(run);
     if (have.pack)
         keepDensities(run.pack, run.pack.spheres.size(), have.options.particleDensity,

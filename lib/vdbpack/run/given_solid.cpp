@@ -100,7 +100,7 @@ std::vector<GivenSolid> givenSolids(const InputPack& recipe, FoundValues& found,
     for (Part& part : parts) {
         if (part.source->dim() != 3)
             throw ParameterError(recipe.pack +
-                                 ": is plane, and has no surface; give a domain of space, without "
+                                 ": is plane, and has no surface; give a 3D domain, without "
                                  "`slice`");
         solids.emplace_back(part.recipe.name, std::move(part.source), recipe, callbacks);
     }

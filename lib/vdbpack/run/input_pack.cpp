@@ -99,6 +99,29 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
     return pack;
 }
 
+void requireSameAxes(const std::string& file, const PackOrigin& origin,
+                     const DomainSource& source) {
+    const std::string axes = axesOf(source);
+    if (origin.axes.empty() || axes.empty() || origin.axes == axes) return;
+    throw InputError(
+        fmt::format("{}: its spheres are in axes {}, and {} is read in {}; set "
+                    "`space` {}",
+                    file, origin.axes, source.recipe().source, axes, lowered(origin.axes)));
+}
+
+void warnOfTolerance(const std::string& file, const PackOrigin& origin, const BondOptions& options,
+                     const Callbacks& callbacks) {
+    const double own = origin.contactTolerance, between = origin.interfaceTolerance;
+    const double now = std::max(options.interfaceTolerance, options.tolerance);
+    if (options.tolerance >= own && now >= between) return;
+    callbacks.warn(fmt::format(
+        "{}: its contacts were counted with `contactTolerance` {:g}{}, and there are fewer pairs "
+        "up "
+        "to {:g}; set the same for the same pairs",
+        file, own, between > own ? fmt::format(" and `interfaceTolerance` {:g}", between) : "",
+        options.tolerance));
+}
+
 bool warnOfOutside(const std::vector<double>& depths, const std::string& domain,
                    const Callbacks& callbacks) {
     const auto outside =

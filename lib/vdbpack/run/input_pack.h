@@ -39,6 +39,15 @@ DomainRecipe domainOf(const InputPack& recipe, const Pack<3>& pack);
 std::optional<DomainSource> domainAround(const DomainRecipe& recipe, int dim,
                                          const Callbacks& callbacks);
 
+/// Refuses a domain that is read in other axes than those that the file of a pack states.
+/// @throws InputError
+void requireSameAxes(const std::string& file, const PackOrigin& origin, const DomainSource& source);
+
+/// Warns where pairs are listed up to smaller gaps than those with which the pack's own contacts
+/// were counted.
+void warnOfTolerance(const std::string& file, const PackOrigin& origin, const BondOptions& options,
+                     const Callbacks& callbacks);
+
 /// Warns of a domain that is another body's than the spheres': centers lie outside of it.
 /// @return whether it did
 bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& domain,
@@ -73,7 +82,9 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
             throw ParameterError("the spheres lie in a domain; set the `domain` of the pack");
         const auto source = std::make_shared<const DomainSource>(domain, heard);
         report.seconds.mesh = clock.lap();
+        requireSameAxes(recipe.pack, pack.origin, *source);
         beginOn({source.get()}, recipe, voids, report, heard, true);
+        warnOfTolerance(recipe.pack, pack.origin, bondOptionsOf(recipe), heard);
         if (report.axes.empty()) report.axes = pack.origin.axes;
         warnOfUnused(domain, *source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, voids, source->dim());
@@ -102,11 +113,13 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
     std::optional<DomainSource> source;
     if (DomainRecipe domain = domainOf(recipe, given); !domain.source.empty()) {
         source.emplace(domain, callbacks);
+        requireSameAxes(recipe.pack, given.origin, *source);
         domain.voxelSize = 0;  // `measure` also takes voxels of spheres from it
         warnOfUnused(domain, *source, callbacks);
         addThreshold(report.found, source->recipe());
         warnOfUnusedSpacing(recipe.outputs, {&*source}, callbacks);
     }
+    report.axes = source && source->imageGrid() ? axesOf(*source) : given.origin.axes;
     report.seconds.mesh += clock.lap();
     RunResult run;
     const auto measure = [&](auto& pack, auto dim) {

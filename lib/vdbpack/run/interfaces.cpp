@@ -147,19 +147,6 @@ void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
     }
 }
 
-void warnOfTolerance(const std::string& file, const PackOrigin& origin, const BondOptions& options,
-                     const Callbacks& callbacks) {
-    const double own = origin.contactTolerance, between = origin.interfaceTolerance;
-    const double now = std::max(options.interfaceTolerance, options.tolerance);
-    if (options.tolerance >= own && now >= between) return;
-    callbacks.warn(fmt::format(
-        "{}: its contacts were counted with `contactTolerance` {:g}{}, and there are fewer pairs "
-        "up "
-        "to {:g}; set the same for the same pairs",
-        file, own, between > own ? fmt::format(" and `interfaceTolerance` {:g}", between) : "",
-        options.tolerance));
-}
-
 template void warnOfLooseParts(const Pack<3>&, const std::vector<Bond>&, const Callbacks&);
 template void warnOfLooseParts(const Pack<3>&, const std::vector<Contact>&, const Callbacks&);
 

@@ -13,11 +13,6 @@ template <class Pair>
 void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
                       const Callbacks& callbacks);
 
-/// Warns where pairs are listed up to smaller gaps than those with which the pack's own contacts
-/// were counted.
-void warnOfTolerance(const std::string& file, const PackOrigin& origin, const BondOptions& options,
-                     const Callbacks& callbacks);
-
 /// Lists the interfaces between parts in the report of their joined pack, with their bonds (of
 /// `RunSettings::bonds`). Warns, where outputs list pairs, of interfaces with fewer than half as
 /// many bonds per area as a plane through the weaker of their parts cuts.

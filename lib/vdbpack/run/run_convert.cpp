@@ -62,7 +62,7 @@ void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptio
     result.interfaceTolerance = options.interfaceTolerance;
 }
 
-/// Notes the density that files for LAMMPS take where none is known.
+/// Notes the density that files for LAMMPS take where none is known, and the modulus of bonds.
 void noteDensity(const ConvertRecipe& recipe, const PackAttributes& pack, ConvertResult& result) {
     const bool isStated = columnOfNumbers(pack, kDensityColumn) || columnOfNumbers(pack, "density");
     const auto hasMasses = [](const OutputTarget& output) {
@@ -71,6 +71,10 @@ void noteDensity(const ConvertRecipe& recipe, const PackAttributes& pack, Conver
     };
     if (!isStated && std::any_of(recipe.outputs.begin(), recipe.outputs.end(), hasMasses))
         result.density = kDefaultDensity;
+    if (!columnOfNumbers(pack, kModulusColumn) &&
+        std::any_of(recipe.outputs.begin(), recipe.outputs.end(),
+                    [](const OutputTarget& output) { return output.isOfBonds(); }))
+        result.modulus = recipe.bonds.law.modulus;
 }
 
 template <int Dim>
@@ -103,9 +107,9 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         std::vector<Vec<Dim>> centers;
         for (const auto& s : pack.spheres) centers.push_back(s.center);
         const auto depths = have.domain->signedDistances(centers);
-        const std::string axes = axesOf(*source);
-        if (!warnOfOutside(depths, describe(recipe.domain), callbacks) && !axes.empty())
-            pack.origin.axes = axes;
+        requireSameAxes(recipe.pack, pack.origin, *source);
+        if (!warnOfOutside(depths, describe(recipe.domain), callbacks) && source->imageGrid())
+            pack.origin.axes = axesOf(*source);
     }
     write.generator = generatorWith(kGenerator, pack.origin);
     if constexpr (Dim == 3) {

@@ -73,7 +73,7 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
     requireResources(plan.extent, recipe);
     if (Dim == 2 && recipe.voids.fill == Fill::solid)
         throw ParameterError(recipe.domain.source +
-                             ": `fill` solid needs a domain of space; leave it out");
+                             ": `fill` solid needs a 3D domain; leave it out");
     const FieldRadii& radii = plan.radii;
     Prepared<Dim> prepared{std::move(plan.requested), radii};
     prepared.built =

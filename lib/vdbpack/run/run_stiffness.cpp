@@ -2,6 +2,7 @@
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/bonded_pack.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/interfaces.h"
 

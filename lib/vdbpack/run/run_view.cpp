@@ -120,8 +120,9 @@ void viewSolids(const ViewRecipe& recipe, ViewResult& result, const Callbacks& c
         append(surface, mesh);
     }
     callbacks.stopIfCancelled();
-    PagePicture picture = drawSolid(recipe.preview, recipe.pack, surface, callbacks);
-    addView(recipe.preview, surface, parts, picture);
+    const PreviewOptions options = inWorldOf(solids.front().source(), recipe.preview);
+    PagePicture picture = drawSolid(options, recipe.pack, surface, callbacks);
+    addView(options, surface, parts, picture);
     const Vec<3> size = surface.bounds().size();
     result.kind = "triangles";
     result.count = surface.triangles.size();

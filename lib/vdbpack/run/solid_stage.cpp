@@ -193,7 +193,7 @@ std::shared_ptr<const Domain<3>> totalVolume(const MeasureRecipe& recipe, const 
     const DomainSource source(total, callbacks);
     if (isImage(total)) warnOfUnusedSpacing({}, {&source}, callbacks);
     if (source.dim() != 3)
-        throw ParameterError(total.source + ": is plane; a solid needs a domain of space");
+        throw ParameterError(total.source + ": is plane; a solid needs a 3D domain");
     const double fine = solid.pitch();
     return source.build(fine, std::max(recipe.shell * 1.05, fine) / 3, callbacks).space;
 }

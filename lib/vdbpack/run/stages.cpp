@@ -6,6 +6,7 @@
 #include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/domain/long_axis.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/sphere_density.h"
@@ -74,6 +75,9 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
     if (kind != RunKind::convert)
         for (const OutputTarget& output : settings.outputs) refuseBraces(output.text);
     requireContactTolerance(settings.contactTolerance);
+    for (const OutputTarget& output : settings.outputs)
+        if (output.kind == OutputKind::bondCoefficients)
+            checkBondClasses(output.text, settings.bonds);
     checkPreview(settings.preview, settings.reportFile);
     checkFiles(settings.outputs, settings.reportFile, all, {settings.preview.file});
     if (kind != RunKind::pack) refuseInterfaces(settings);

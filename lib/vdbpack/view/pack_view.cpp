@@ -13,7 +13,7 @@ namespace vdbpack {
 namespace {
 
 /// Distances along the longer side of a domain of the plane, for its outline, and voxels along the
-/// diagonal of a domain of space whose wall has no triangles or too many.
+/// diagonal of a 3D domain whose wall has no triangles or too many.
 constexpr int kViewedDistances = 480, kViewedVoxels = 120;
 
 }  // namespace
