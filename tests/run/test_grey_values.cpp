@@ -129,7 +129,7 @@ TEST_CASE("grey values become densities, moduli and classes of material") {
     for (std::size_t i = 0; i < density.size(); ++i) {
         CHECK(written[i] == Approx(density[i]));
         CHECK(types[i] == kind[i] + 1);
-        CHECK(yade.region[i] == kind[i]);
+        CHECK(numbersOf(yade, "matId")[i] == kind[i]);
     }
     CHECK(checkTable(folder.file("m.csv"), *least, *most) == pack.spheres.size());
     // A column of a file does as well as a sample.

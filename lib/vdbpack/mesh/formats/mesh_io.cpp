@@ -46,7 +46,7 @@ constexpr double kLargest = 1e9;
         throw InputError(path +
                          ": is an image of a format that is not read; convert it to .nii.gz, "
                          ".nrrd or .mha, and set `threshold` or `label`");
-    requireThere(path);
+    if (extension.empty()) requireThere(path);
     throw InputError(
         path + ": format " + quotedExcerpt(extension) +
         " is not read as a mesh; convert it to .stl, .obj, .ply, .off, .gts, .vtp or .vtk");
