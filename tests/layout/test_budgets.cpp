@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3490},
     {"lib/vdbpack/run", 6677},
     {"tools", 3841},
-    {"tests", 34410},
+    {"tests", 34413},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -102,6 +102,9 @@ TEST_CASE("a domain in other axes than those of its spheres is refused with the 
     CHECK_THROWS_WITH(
         runConvert(on(onPack<ConvertRecipe>(pack, job.domain.source, folder.file("q.data")))),
         remedy);
+    auto parts = onPack<VerifyRecipe>(pack, job.domain.source);
+    parts.domain.label = "5,9";
+    CHECK_THROWS_WITH(runVerify(parts), remedy);
     auto carve = on(onPack<CarveJob>(pack, job.domain.source, folder.file("c.data")));
     setVoids(carve.request, "boolean", "constant:2", 0.7);
     CHECK_THROWS_WITH(runCarve(carve), remedy);

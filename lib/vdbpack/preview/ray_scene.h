@@ -74,7 +74,7 @@ struct Surface {
 /// Rays per pixel, which Embree casts together.
 inline constexpr int kSamples = 4;
 
-/// The rays of a pixel, or those of them that are of use.
+/// Up to `kSamples` rays of a pixel; Embree skips those that are not set.
 class Rays {
 public:
     void set(int k, const Float3& from, const Float3& along, float near, float far) {

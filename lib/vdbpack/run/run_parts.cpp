@@ -35,8 +35,7 @@ struct PackedParts {
     Clock clock{};
 };
 
-/// Its radii are those of all parts, which `packToTarget` states; the count was its share of
-/// theirs.
+/// Removes the sentence about the radii of one part: `packToTarget` states the radii of all parts.
 void forgetShare(Report& report) {
     auto& chosen = report.chosen;
     chosen.erase(std::remove_if(chosen.begin(), chosen.end(),

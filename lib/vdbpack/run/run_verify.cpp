@@ -114,6 +114,7 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
         for (PackRecipe& part : filled.parts) part.grey = {};  // materials are not checked
         partsByCenter(filled, callbacks);
         const Parts parts = partsOf(filled, callbacks);
+        for (const Part& part : parts) requireSameAxes(recipe.pack, given.origin, *part.source);
         VerifyRecipe whole = recipe;
         whole.domain = parts.empty() ? filled.domain : DomainRecipe();
         if (!parts.empty() && recipe.vacancySamples > 0)

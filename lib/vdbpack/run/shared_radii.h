@@ -24,7 +24,7 @@ public:
     double target() const { return target_; }
     /// The order in which parts are packed.
     std::vector<std::size_t> order() const;
-    /// Whether the radii of all are those of this part.
+    /// Whether all parts take the radii that this part was packed with.
     bool leads(std::size_t k) const { return target_ > 0 && shared_[k] && k == first_; }
     /// Called before each part is packed, in that order.
     void prepare(PackRecipe& part, std::size_t k) const;
