@@ -74,6 +74,9 @@ TEST_CASE("the pack is the same for any number of ranks and threads") {
         checkRanks<2>(*rect, plane);
         checkRanks<3>(*ballDomain<3>(30), optionsFor("constant:1.2", 3));
         checkRanks<3>(*box, optionsFor("uniform:0.8,3", 3));
+        PackOptions wavy = space;
+        wavy.order = Order::waves;
+        checkRanks<3>(*box, wavy);
     }
     SECTION("in a periodic cell") {
         checkRanks<3>(*periodicDomain<3>({{{}, {{60, 70, 80}}}, {true, true, true}}), space);

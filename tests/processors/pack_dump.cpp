@@ -38,7 +38,7 @@ void dumpAll(std::FILE* file) {
     PackOptions wide(SizeDistribution::parse("lognormal:0.6,0.8,0.5,5", Dim));
     wide.gap = 0.01;
     dump<Dim>(file, *ball, wide, {{{}, 4.3}});
-    for (const Order order : {Order::wall, Order::center, Order::fifo}) {
+    for (const Order order : {Order::waves, Order::wall, Order::center, Order::fifo}) {
         wide.order = order;
         dump<Dim>(file, *ball, wide);
     }

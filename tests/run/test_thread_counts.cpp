@@ -97,7 +97,8 @@ TEST_CASE("circles are the same for any number of threads") {
 }
 
 TEST_CASE("orders and efforts are the same for any number of threads") {
-    for (const Order order : {Order::sweep, Order::wall, Order::center, Order::fifo}) {
+    for (const Order order :
+         {Order::sweep, Order::waves, Order::wall, Order::center, Order::fifo}) {
         for (const Effort effort : {Effort::fast, Effort::normal, Effort::dense}) {
             CAPTURE(static_cast<int>(order), static_cast<int>(effort));
             for (const char* domain : {"cylinder:6,15", "rect:30,30"}) {

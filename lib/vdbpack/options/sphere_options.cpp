@@ -25,11 +25,8 @@ std::pair<std::string, Value> named(Value value) {
 
 const Names<WeightBy> kWeights{{"count", WeightBy::count}, {"volume", WeightBy::volume}};
 const Names<Effort> kEfforts{named(Effort::fast), named(Effort::normal), named(Effort::dense)};
-const Names<Order> kOrders{named(Order::sweep),
-                           named(Order::wall),
-                           named(Order::center),
-                           {"center", Order::center},
-                           named(Order::fifo)};
+const Names<Order> kOrders{named(Order::sweep),  named(Order::waves),       named(Order::wall),
+                           named(Order::center), {"center", Order::center}, named(Order::fifo)};
 
 const Names<bool> kOnOff{{"on", true}, {"off", false}};
 
@@ -101,10 +98,11 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
                 "fast: positions in the order of the sweep; normal: first those where the sphere "
                 "touches an additional sphere or wall (equal ones: many); dense: the same with "
                 "more pending radii to choose from (equal spheres: in larger blocks)");
-    rows.choice("order", "sweep|wall|centre|fifo [sweep]", recipe.packing.order, kOrders,
-                "position that is filled next. sweep: the lowest along a diagonal; wall: nearest "
-                "to the wall; centre: nearest to the middle; fifo: the first found. All but sweep "
-                "run on one thread, for comparison");
+    rows.choice("order", "sweep|waves|wall|centre|fifo [sweep]", recipe.packing.order, kOrders,
+                "position that is filled next. sweep: the lowest along a diagonal; waves: the same "
+                "with waves across it, so that contacts gather around no direction, for some "
+                "solid fraction; wall: nearest to the wall; centre: nearest to the middle; fifo: "
+                "the first found. The last three run on one thread, for comparison");
     rows.length("block-side", "MM", recipe.packing.blockSide, Range::positive,
                 "edge of the blocks of which each is filled by one thread, at least 8 largest "
                 "radii. Shorter ones than the usual 20 keep more than some 500 cores busy, and "

@@ -25,13 +25,20 @@ constexpr const char* nameOf(Effort effort) {
     return effort == Effort::fast ? "fast" : effort == Effort::normal ? "normal" : "dense";
 }
 
-/// sweep: along a diagonal of the axes, in blocks and on all threads. The others are those of the
-/// literature, for comparison, and run as one block on one thread: from the wall inwards, from the
-/// middle outwards, and first in, first out from the middle.
-enum class Order { sweep, wall, center, fifo };
+/// sweep: along a diagonal of the axes, in blocks and on all threads. waves: the same with waves
+/// across the diagonal (`SweepWaves`), so that contacts gather around no direction. The others are
+/// those of the literature, for comparison, and run as one block on one thread: from the wall
+/// inwards, from the middle outwards, and first in, first out from the middle.
+enum class Order { sweep, waves, wall, center, fifo };
+
+/// Whether a front of that order moves along the diagonal, in blocks.
+constexpr bool sweeps(Order order) {
+    return order == Order::sweep || order == Order::waves;
+}
 
 constexpr const char* nameOf(Order order) {
     return order == Order::sweep    ? "sweep"
+           : order == Order::waves  ? "waves"
            : order == Order::wall   ? "wall"
            : order == Order::center ? "centre"
                                     : "fifo";

@@ -64,8 +64,8 @@ void requireCountable(const Domain<Dim>& domain, const Domain<Dim>& outer,
 template <int Dim>
 void requirePeriodic(const PeriodicCell<Dim>& cell, const PackOptions& options,
                      const std::vector<Sphere<Dim>>& existing, const Callbacks& callbacks) {
-    if (options.order != Order::sweep)
-        throw ParameterError("`order`: a periodic cell is packed in the order sweep; leave it out");
+    if (!sweeps(options.order))
+        throw ParameterError("`order`: a periodic cell is packed in the order sweep or waves");
     if (!options.species.empty())
         throw ParameterError(
             "a periodic cell takes spheres of one species; cut voids afterwards instead");

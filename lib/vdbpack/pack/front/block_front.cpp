@@ -155,7 +155,7 @@ void BlockFront<Dim>::Work::fillVacancy(Vec<Dim> x) {
     // Down the sweep until it touches something.
     const double radius = pendingRadius(size, k - 1);
     Vec<Dim> low = x;
-    for (int step = 0; settings.order == Order::sweep && step < 200; ++step) {
+    for (int step = 0; sweeps(settings.order) && step < 200; ++step) {
         const double free = block.clearance(low, far) - radius - settings.quantum;
         if (free < 1e-6 * radius) break;
         const Vec<Dim> y = low - settings.sweep * free;

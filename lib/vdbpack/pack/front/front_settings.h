@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/vec.h"
+#include "vdbpack/pack/front/sweep_waves.h"
 #include "vdbpack/pack/pack_options.h"
 
 namespace vdbpack {
@@ -63,7 +64,8 @@ struct FrontSettings : FrontLengths {
     bool evenSizes = true;  ///< PackOptions::evenSizes
     /// Unit direction in which the front sweeps: low values are filled first.
     Vec<Dim> sweep;
-    Vec<Dim> middle;  ///< of the domain, where Order::center and fifo begin, mm
+    SweepWaves<Dim> waves;  ///< of Order::waves
+    Vec<Dim> middle;        ///< of the domain, where Order::center and fifo begin, mm
     /// Centers are whole multiples of this, mm; a power of two. Contacts keep a gap of about as
     /// much, so that rounding cannot make them overlaps.
     double quantum = 0x1p-24;

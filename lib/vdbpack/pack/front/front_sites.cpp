@@ -57,7 +57,8 @@ void FrontSites<Dim>::clear() {
     unused_ = kNone;
     arrived_ = 0;
     if (block_.local) radii_.clear();
-    const double low = settings.order == Order::sweep ? dot(block_.own.lo, settings.sweep) : 0.0;
+    const double low =
+        sweeps(settings.order) ? dot(block_.own.lo, settings.sweep) - settings.waves.depth() : 0.0;
     // The lengths are those of the finest spheres, but for the largest radius.
     const double coarse = block_.local ? settings.maxRadius / settings.commonRadius : 1;
     const double ahead =
@@ -118,14 +119,16 @@ std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
     }
     Site& s = sites_[index];
     s.track = site.track;
-    s.base = baseOf(start);
+    const FrontOrder order = orderOf(start);
+    s.base = static_cast<float>(order.position);
+    s.slope = static_cast<float>(order.slope);
     s.side = site.side;
     s.bodies = site.bodies;
     s.pivot = pivot;
     s.foreign = foreign;
     s.crowd = 0;
     if (radii.crowdLead > 0) {
-        s.base += kSink * heightAbove(pivot, site.bodies, start);
+        s.base += s.slope * kSink * heightAbove(pivot, site.bodies, start);
         s.crowd = around ? around->crowdAt(site.end, site.limit, radii.nearGap) : 0.0f;
         walls_.forEach(pivot, [&](std::uint32_t, const TangentPlane<Dim>& plane) {
             s.crowd += wallCrowd(end, plane, radii.nearGap);
@@ -183,23 +186,25 @@ void FrontSites<Dim>::countNear(std::uint32_t index, std::uint32_t sphereNear) {
     crowd(index, squaredDistance(toFloat(s.center), ends_[index]), static_cast<float>(s.radius));
 }
 
-/// Position of a site in the order of the front, mm.
 template <int Dim>
-float FrontSites<Dim>::baseOf(const Vec<Dim>& start) {
+FrontOrder FrontSites<Dim>::orderOf(const Vec<Dim>& start) {
     const FrontSettings<Dim>& settings = block_.settings;
     switch (settings.order) {
         case Order::sweep:
-            return static_cast<float>(dot(start, settings.sweep));
+        case Order::waves: {
+            FrontOrder order = settings.waves.at(start + block_.origin);
+            order.position += dot(start, settings.sweep);
+            return order;
+        }
         case Order::wall:
-            return static_cast<float>(-block_.sampler->signedDistance(start + block_.origin));
+            return {-block_.sampler->signedDistance(start + block_.origin)};
         case Order::center:
-            return static_cast<float>(length(start + block_.origin - settings.middle));
+            return {length(start + block_.origin - settings.middle)};
         case Order::fifo:
             // Sixteen sites a bucket of the queue, which keeps their order.
-            return static_cast<float>(kBucket * settings.meanRadius *
-                                      static_cast<double>(arrived_++ / 16));
+            return {kBucket * settings.meanRadius * static_cast<double>(arrived_++ / 16)};
     }
-    return 0;
+    return {};
 }
 
 template <int Dim>
@@ -252,7 +257,8 @@ template <int Dim>
 void FrontSites<Dim>::enqueue(std::uint32_t index) {
     const Site& site = sites_[index];
     if (site.foreign != 0) return;
-    queue_.push(index, site.base - leadOf(index) - radiiOf(site.pivot).crowdLead * site.crowd);
+    queue_.push(index, site.base - site.slope * leadOf(index) -
+                           site.slope * radiiOf(site.pivot).crowdLead * site.crowd);
 }
 
 template <int Dim>

@@ -116,7 +116,8 @@ public:
 private:
     struct Site {
         Track<float, Dim> track;  ///< from the probe's radius on, relative to the pivot
-        float base;               ///< along the sweep, at the probe's radius
+        float base;               ///< FrontOrder::position at the probe's radius
+        float slope;              ///< FrontOrder::slope
         float crowd;              ///< bodies near, see FrontSettings::crowdLead
         float side;
         Bodies bodies;
@@ -145,7 +146,7 @@ private:
     template <class T>
     Cap<T, Dim> capOf(std::uint32_t pivot, std::uint32_t body) const;
     void addLoose(std::uint32_t pivot, const Surroundings<Dim>& around);
-    float baseOf(const Vec<Dim>& start);
+    FrontOrder orderOf(const Vec<Dim>& start);
     bool isBeyond(std::uint32_t index) const;
     double meetingLead(std::uint32_t index) const;
     float leadOf(std::uint32_t index) const;
