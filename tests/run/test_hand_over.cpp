@@ -13,6 +13,9 @@
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/preview/result_picture.h"
 
+#include <filesystem>
+#include <fstream>
+
 namespace {
 
 /// Two labels of an image as parts.
@@ -23,6 +26,15 @@ PackJob halvesIn(const std::string& file) {
     job.domain.label = "all";
     job.targetCount = 500;
     return job;
+}
+
+/// Two spheres in two parts, with a gap of 0.3 of their radius.
+Pack<3> pairOfParts() {
+    Pack<3> pack;
+    pack.spheres = {{{{0, 0, 0}}, 1}, {{{2.3, 0, 0}}, 1}};
+    pack.columns = {{kPartColumn, {0, 1}, {}, {}}};
+    setPartNames(pack, {"femur", "implant"});
+    return pack;
 }
 
 PackRecipe partOf(const std::string& file, const TriangleMesh& mesh, const char* name) {
@@ -120,8 +132,26 @@ TEST_CASE("a carved pack keeps the tolerance between its parts, and says which p
     auto carve =
         onPack<CarveJob>(folder.file("p.vtp"), "box:-20,-20,-20,40,40,40", folder.file("c.vtp"));
     setVoids(carve.request, "boolean", "constant:2", 0.9);
-    CHECK(mentions(runCarve(carve).report.warnings, "`interfaceTolerance` 0.5"));
+    const auto warnings = runCarve(carve).report.warnings;
+    CHECK(mentions(warnings, "`contactTolerance` 0.1"));
+    CHECK_FALSE(mentions(warnings, "`interfaceTolerance`"));
     CHECK(readPack(folder.file("c.vtp")).origin.interfaceTolerance == 0.5);
+}
+
+TEST_CASE("carve lists the pairs between parts up to the tolerance that the pack states") {
+    const TemporaryFolder folder;
+    Pack<3> pack = pairOfParts();
+    PackWriteOptions options;
+    options.generator = generatorWith("a program", {"", 0, 0.5});
+    writePack(pack, folder.file("p.vtp"), options);
+    auto carve = onPack<CarveJob>(folder.file("p.vtp"), "box:-5,-5,-5,8,5,5",
+                                  "contacts:" + folder.file("c.csv"));
+    carve.request.shell = 1;
+    runCarve(carve);
+    CHECK_THAT(contentOf(folder.file("c.csv")), Contains("\n0,1,"));
+    writePack(pack, folder.file("p.vtp"));
+    runCarve(carve);
+    CHECK_THAT(contentOf(folder.file("c.csv")), !Contains("\n0,1,"));
 }
 
 TEST_CASE("coefficients of bonds of one class are refused before anything is packed") {
