@@ -255,3 +255,39 @@ TEST_CASE("the sides of a picture are those of the axes that a pack states") {
     CHECK(ras.ofPatient);
     CHECK(ras.space == ImageSpace::ras);
 }
+
+TEST_CASE("parts that were packed by labels are measured as one and verified one by one") {
+    const TemporaryFolder folder;
+    auto job = halvesIn(folder.file("halves.nrrd"));
+    job.domain.label = "5,9";
+    job.outputs = {folder.file("p.vtp")};
+    runPack(job);
+    auto measure = onPack<MeasureRecipe>(folder.file("p.vtp"), job.domain.source);
+    measure.domain.label = "5,9";
+    CHECK_THROWS_WITH(runMeasure(measure), Contains("join them by +"));
+    measure.domain.label = "5+9";
+    CHECK(runMeasure(measure).run.report.count > 0);
+    auto verify = onPack<VerifyRecipe>(folder.file("p.vtp"), job.domain.source);
+    verify.domain.label = "5+9";
+    const RunResult joined = runVerify(verify);
+    CHECK_FALSE(joined.passed);
+    CHECK(mentions(joined.report.warnings, "`label` 5,9"));
+    verify.domain.label = "5,9";
+    const RunResult apart = runVerify(verify);
+    CHECK(apart.passed);
+    CHECK(apart.report.warnings.empty());
+}
+
+TEST_CASE("verify of parts names those of the pack beside other ones") {
+    const TemporaryFolder folder;
+    Pack<3> pack = pairOfParts();
+    writePack(pack, folder.file("p.vtp"));
+    auto verify = onPack<VerifyRecipe>(folder.file("p.vtp"));
+    const auto box = [](double from) { return boxMesh({{from, -2, -2}}, {{from + 4, 2, 2}}); };
+    verify.parts = {partOf(folder.file("a.stl"), box(20), "nail"),
+                    partOf(folder.file("b.stl"), box(30), "implant")};
+    const RunResult other = runVerify(verify);
+    CHECK_FALSE(other.passed);
+    CHECK(
+        mentions(other.report.warnings, "are femur, implant, and were held against nail, implant"));
+}
