@@ -291,3 +291,25 @@ TEST_CASE("verify of parts names those of the pack beside other ones") {
     CHECK(
         mentions(other.report.warnings, "are femur, implant, and were held against nail, implant"));
 }
+
+TEST_CASE("options that a pack leaves without effect are warned of") {
+    const TemporaryFolder folder;
+    Pack<3> pack = latticePack<3>(40, {{0, 0, 0}}, 30, 2);
+    pack.columns = {{kModulusColumn, std::vector<double>(40, 500), {}, {}}};
+    writePack(pack, folder.file("p.vtp"));
+    auto convert = onPack<ConvertRecipe>(folder.file("p.vtp"), {}, "bonds:" + folder.file("b.csv"));
+    CHECK(runConvert(convert).warnings.empty());
+    convert.bonds.interfaceTolerance = 0.5;
+    convert.bonds.law.modulus = 5;
+    convert.packUnit = Unit::centimeter;
+    convert.outputs.emplace_back(folder.file("p.data"));
+    convert.density = "0=1900,7=1100";
+    const auto warnings = runConvert(convert).warnings;
+    CHECK(mentions(warnings, "`interfaceTolerance` 0.5 has no effect"));
+    CHECK(mentions(warnings, "`bond-modulus` 5 has no effect"));
+    CHECK(mentions(warnings, "`packUnit` cm is not used"));
+    CHECK(mentions(warnings, "`density` of region 7 has no effect"));
+    auto job = recipeFor("box:6,6,6", "constant:0.7", folder.file("q.csv"));
+    job.bonds.interfaceTolerance = 0.5;
+    CHECK(mentions(runPack(job).report.warnings, "`interfaceTolerance` 0.5 has no effect"));
+}

@@ -124,6 +124,21 @@ std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance) {
     return pairs;
 }
 
+void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,
+                       const BondOptions& options, const Callbacks& callbacks) {
+    if (options.interfaceTolerance > origin.interfaceTolerance &&
+        !columnOfNumbers(pack, kPartColumn))
+        callbacks.warn(fmt::format(
+            "`interfaceTolerance` {:g} has no effect: the spheres have no column {}, which says "
+            "which of several parts each is in; `contactTolerance` is that of all pairs",
+            options.interfaceTolerance, kPartColumn));
+    if (options.law.modulus != BondLaw().modulus && columnOfNumbers(pack, kModulusColumn))
+        callbacks.warn(fmt::format(
+            "`bond-modulus` {:g} has no effect: bonds take the moduli in the column {} of their "
+            "spheres",
+            options.law.modulus, kModulusColumn));
+}
+
 template <class Pair>
 void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
                       const Callbacks& callbacks) {

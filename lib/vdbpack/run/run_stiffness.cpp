@@ -281,6 +281,7 @@ StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& cal
         result.seconds.domain = clock.lap();
         BondOptions options = bondOptionsOf(recipe);
         warnOfTolerance(recipe.pack, pack.origin, options, heard);
+        warnOfUnusedBonds(pack, pack.origin, options, heard);
         if (recipe.press)
             press(recipe, pack, options, body, result, heard);
         else if (recipe.fits)
