@@ -313,3 +313,20 @@ TEST_CASE("options that a pack leaves without effect are warned of") {
     job.bonds.interfaceTolerance = 0.5;
     CHECK(mentions(runPack(job).report.warnings, "`interfaceTolerance` 0.5 has no effect"));
 }
+
+TEST_CASE("columns that a .ply does not hold are named, and types that name no materials") {
+    const TemporaryFolder folder;
+    Pack<3> pack = pairOfParts();
+    writePack(pack, folder.file("p.csv"));
+    CHECK(mentions(
+        runConvert(onPack<ConvertRecipe>(folder.file("p.csv"), {}, folder.file("p.ply"))).warnings,
+        "columns 'part'"));
+    pack.columns = {{"type", {2, 5}, {}, {}}};
+    writePack(pack, folder.file("t.csv"));
+    const std::string yade = folder.file("t.yade");
+    auto convert = onPack<ConvertRecipe>(folder.file("t.csv"), {}, "yade:" + yade);
+    CHECK(mentions(runConvert(convert).warnings, "`columns` density_class=type"));
+    convert.packColumns.renamed = {{"density_class", "type"}};
+    CHECK(runConvert(convert).warnings.empty());
+    CHECK_THAT(contentOf(yade), Contains("matId") && Contains("1.0\t0\n") && Contains("1.0\t1\n"));
+}
