@@ -330,3 +330,12 @@ TEST_CASE("columns that a .ply does not hold are named, and types that name no m
     CHECK(runConvert(convert).warnings.empty());
     CHECK_THAT(contentOf(yade), Contains("matId") && Contains("1.0\t0\n") && Contains("1.0\t1\n"));
 }
+
+TEST_CASE("a recipe of another command names its command") {
+    const TemporaryFolder folder;
+    const std::string recipe = folder.file("r.toml");
+    std::ofstream(recipe) << "[carve]\nPACK = 'p.vtp'\nshell = 2\n";
+    const auto refused = vdbPack("pack --config " + recipe);
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.text, Contains("[carve]") && Contains("vdb_pack carve --config"));
+}
