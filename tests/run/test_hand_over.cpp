@@ -120,6 +120,15 @@ TEST_CASE("a domain in other axes than those of its spheres is refused with the 
     auto carve = on(onPack<CarveJob>(pack, job.domain.source, folder.file("c.data")));
     setVoids(carve.request, "boolean", "constant:2", 0.7);
     CHECK_THROWS_WITH(runCarve(carve), remedy);
+    CHECK_THROWS_WITH(runStiffness(on(onPack<StiffnessRecipe>(pack, job.domain.source))), remedy);
+    auto view = on(onPack<ViewRecipe>(pack, job.domain.source));
+    view.reportFile = folder.file("v.html");
+    CHECK_THROWS_WITH(runView(view), remedy);
+    auto around = job;
+    around.domain.space = ImageSpace::lps;
+    around.existing = pack;
+    around.outputs = {folder.file("around.vtp")};
+    CHECK_THROWS_WITH(runPack(around), remedy);
     CHECK(runMeasure(onPack<MeasureRecipe>(pack)).run.report.axes == "RAS");
 }
 

@@ -36,6 +36,7 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
     const auto source = domainAround(named, 3, callbacks);
     std::vector<double> depths;
     if (source) {
+        requireSameAxes(recipe.pack, pack.origin, *source);
         const auto built =
             buildAround(source, 3, radius, centers.size(), radius.max + reach, recipe, callbacks);
         body.volume = built.space->volume();
