@@ -348,3 +348,15 @@ TEST_CASE("a recipe of another command names its command") {
     CHECK(refused.code == 2);
     CHECK_THAT(refused.text, Contains("[carve]") && Contains("vdb_pack carve --config"));
 }
+
+TEST_CASE("a part that lies apart is said to be connected by no bond") {
+    const TemporaryFolder folder;
+    Pack<3> pack = pairOfParts();
+    pack.spheres[1].center[0] = 40;
+    writePack(pack, folder.file("p.vtp"));
+    const auto warnings =
+        runConvert(onPack<ConvertRecipe>(folder.file("p.vtp"), {}, "bonds:" + folder.file("b.csv")))
+            .warnings;
+    CHECK(mentions(warnings, "femur has no bond that connects it to another part"));
+    CHECK_FALSE(mentions(warnings, "next to nothing"));
+}

@@ -154,11 +154,16 @@ void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
     for (const auto& [part, count] : joined) {
         if (count >= kFewBonds || joined.size() < 2) continue;
         const auto at = static_cast<std::size_t>(part);
-        callbacks.warn(
-            fmt::format("{} has {} with other parts and carries next to nothing of their load; set "
-                        "`interfaceTolerance` as the run did that packed it, or to what it advised",
-                        at < names.size() ? names[at] : fmt::format("part {}", part),
-                        count == 1 ? "1 bond" : fmt::format("{} bonds", count)));
+        callbacks.warn(fmt::format(
+            "{} has {}; {} `interfaceTolerance` as the run did that packed it, or to what it "
+            "advised",
+            at < names.size() ? names[at] : fmt::format("part {}", part),
+            count == 0   ? "no bond that connects it to another part"
+            : count == 1 ? "1 bond with other parts and carries next to nothing of their load"
+                         : fmt::format("{} bonds with other parts and carries next to nothing of "
+                                       "their load",
+                                       count),
+            count == 0 ? "if it touches others and does not lie apart from them, set" : "set"));
     }
 }
 
