@@ -349,6 +349,24 @@ TEST_CASE("a recipe of another command names its command") {
     CHECK_THAT(refused.text, Contains("[carve]") && Contains("vdb_pack carve --config"));
 }
 
+TEST_CASE("a parts file that is missing comes back from the recipe of its pack") {
+    const TemporaryFolder folder;
+    const std::string parts = folder.file("parts.toml"), recipe = folder.file("p.recipe.toml");
+    std::ofstream(parts) << "[[part]]\nname = 'a'\ndomain = 'ball:4'\n";
+    REQUIRE(
+        vdbPack("pack --radius constant:1 --parts " + parts + " -o " + folder.file("p.csv")).code ==
+        0);
+    const std::string text = contentOf(parts);
+    std::filesystem::remove(parts);
+    const auto refused = vdbPack("pack --config " + recipe);
+    CHECK(refused.code != 0);
+    const auto command = refused.text.find("sed ");
+    REQUIRE(command != std::string::npos);
+    REQUIRE(shell(refused.text.substr(command)).code == 0);
+    CHECK(contentOf(parts) == text);
+    CHECK(vdbPack("pack --config " + recipe).code == 0);
+}
+
 TEST_CASE("a part that lies apart is said to be connected by no bond") {
     const TemporaryFolder folder;
     Pack<3> pack = pairOfParts();
