@@ -13,6 +13,9 @@
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/preview/result_picture.h"
 
+#include <filesystem>
+#include <fstream>
+
 namespace {
 
 /// Two labels of an image as parts.
@@ -23,6 +26,15 @@ PackJob halvesIn(const std::string& file) {
     job.domain.label = "all";
     job.targetCount = 500;
     return job;
+}
+
+/// Two spheres in two parts, with a gap of 0.3 of their radius.
+Pack<3> pairOfParts() {
+    Pack<3> pack;
+    pack.spheres = {{{{0, 0, 0}}, 1}, {{{2.3, 0, 0}}, 1}};
+    pack.columns = {{kPartColumn, {0, 1}, {}, {}}};
+    setPartNames(pack, {"femur", "implant"});
+    return pack;
 }
 
 PackRecipe partOf(const std::string& file, const TriangleMesh& mesh, const char* name) {
@@ -108,6 +120,15 @@ TEST_CASE("a domain in other axes than those of its spheres is refused with the 
     auto carve = on(onPack<CarveJob>(pack, job.domain.source, folder.file("c.data")));
     setVoids(carve.request, "boolean", "constant:2", 0.7);
     CHECK_THROWS_WITH(runCarve(carve), remedy);
+    CHECK_THROWS_WITH(runStiffness(on(onPack<StiffnessRecipe>(pack, job.domain.source))), remedy);
+    auto view = on(onPack<ViewRecipe>(pack, job.domain.source));
+    view.reportFile = folder.file("v.html");
+    CHECK_THROWS_WITH(runView(view), remedy);
+    auto around = job;
+    around.domain.space = ImageSpace::lps;
+    around.existing = pack;
+    around.outputs = {folder.file("around.vtp")};
+    CHECK_THROWS_WITH(runPack(around), remedy);
     CHECK(runMeasure(onPack<MeasureRecipe>(pack)).run.report.axes == "RAS");
 }
 
@@ -120,8 +141,26 @@ TEST_CASE("a carved pack keeps the tolerance between its parts, and says which p
     auto carve =
         onPack<CarveJob>(folder.file("p.vtp"), "box:-20,-20,-20,40,40,40", folder.file("c.vtp"));
     setVoids(carve.request, "boolean", "constant:2", 0.9);
-    CHECK(mentions(runCarve(carve).report.warnings, "`interfaceTolerance` 0.5"));
+    const auto warnings = runCarve(carve).report.warnings;
+    CHECK(mentions(warnings, "`contactTolerance` 0.1"));
+    CHECK_FALSE(mentions(warnings, "`interfaceTolerance`"));
     CHECK(readPack(folder.file("c.vtp")).origin.interfaceTolerance == 0.5);
+}
+
+TEST_CASE("carve lists the pairs between parts up to the tolerance that the pack states") {
+    const TemporaryFolder folder;
+    Pack<3> pack = pairOfParts();
+    PackWriteOptions options;
+    options.generator = generatorWith("a program", {"", 0, 0.5});
+    writePack(pack, folder.file("p.vtp"), options);
+    auto carve = onPack<CarveJob>(folder.file("p.vtp"), "box:-5,-5,-5,8,5,5",
+                                  "contacts:" + folder.file("c.csv"));
+    carve.request.shell = 1;
+    runCarve(carve);
+    CHECK_THAT(contentOf(folder.file("c.csv")), Contains("\n0,1,"));
+    writePack(pack, folder.file("p.vtp"));
+    runCarve(carve);
+    CHECK_THAT(contentOf(folder.file("c.csv")), !Contains("\n0,1,"));
 }
 
 TEST_CASE("coefficients of bonds of one class are refused before anything is packed") {
@@ -224,4 +263,118 @@ TEST_CASE("the sides of a picture are those of the axes that a pack states") {
     CHECK_FALSE(plain.ofPatient);
     CHECK(ras.ofPatient);
     CHECK(ras.space == ImageSpace::ras);
+}
+
+TEST_CASE("parts that were packed by labels are measured as one and verified one by one") {
+    const TemporaryFolder folder;
+    auto job = halvesIn(folder.file("halves.nrrd"));
+    job.domain.label = "5,9";
+    job.outputs = {folder.file("p.vtp")};
+    runPack(job);
+    auto measure = onPack<MeasureRecipe>(folder.file("p.vtp"), job.domain.source);
+    measure.domain.label = "5,9";
+    CHECK_THROWS_WITH(runMeasure(measure), Contains("join them by +"));
+    measure.domain.label = "5+9";
+    CHECK(runMeasure(measure).run.report.count > 0);
+    auto verify = onPack<VerifyRecipe>(folder.file("p.vtp"), job.domain.source);
+    verify.domain.label = "5+9";
+    const RunResult joined = runVerify(verify);
+    CHECK_FALSE(joined.passed);
+    CHECK(mentions(joined.report.warnings, "`label` 5,9"));
+    verify.domain.label = "5,9";
+    const RunResult apart = runVerify(verify);
+    CHECK(apart.passed);
+    CHECK(apart.report.warnings.empty());
+}
+
+TEST_CASE("verify of parts names those of the pack beside other ones") {
+    const TemporaryFolder folder;
+    Pack<3> pack = pairOfParts();
+    writePack(pack, folder.file("p.vtp"));
+    auto verify = onPack<VerifyRecipe>(folder.file("p.vtp"));
+    const auto box = [](double from) { return boxMesh({{from, -2, -2}}, {{from + 4, 2, 2}}); };
+    verify.parts = {partOf(folder.file("a.stl"), box(20), "nail"),
+                    partOf(folder.file("b.stl"), box(30), "implant")};
+    const RunResult other = runVerify(verify);
+    CHECK_FALSE(other.passed);
+    CHECK(
+        mentions(other.report.warnings, "are femur, implant, and were held against nail, implant"));
+}
+
+TEST_CASE("options that a pack leaves without effect are warned of") {
+    const TemporaryFolder folder;
+    Pack<3> pack = latticePack<3>(40, {{0, 0, 0}}, 30, 2);
+    pack.columns = {{kModulusColumn, std::vector<double>(40, 500), {}, {}}};
+    writePack(pack, folder.file("p.vtp"));
+    auto convert = onPack<ConvertRecipe>(folder.file("p.vtp"), {}, "bonds:" + folder.file("b.csv"));
+    CHECK(runConvert(convert).warnings.empty());
+    convert.bonds.interfaceTolerance = 0.5;
+    convert.bonds.law.modulus = 5;
+    convert.packUnit = Unit::centimeter;
+    convert.outputs.emplace_back(folder.file("p.data"));
+    convert.density = "0=1900,7=1100";
+    const auto warnings = runConvert(convert).warnings;
+    CHECK(mentions(warnings, "`interfaceTolerance` 0.5 has no effect"));
+    CHECK(mentions(warnings, "`bond-modulus` 5 has no effect"));
+    CHECK(mentions(warnings, "`packUnit` cm is not used"));
+    CHECK(mentions(warnings, "`density` of region 7 has no effect"));
+    auto job = recipeFor("box:6,6,6", "constant:0.7", folder.file("q.csv"));
+    job.bonds.interfaceTolerance = 0.5;
+    CHECK(mentions(runPack(job).report.warnings, "`interfaceTolerance` 0.5 has no effect"));
+}
+
+TEST_CASE("columns that a .ply does not hold are named, and types that name no materials") {
+    const TemporaryFolder folder;
+    Pack<3> pack = pairOfParts();
+    writePack(pack, folder.file("p.csv"));
+    CHECK(mentions(
+        runConvert(onPack<ConvertRecipe>(folder.file("p.csv"), {}, folder.file("p.ply"))).warnings,
+        "columns 'part'"));
+    pack.columns = {{"type", {2, 5}, {}, {}}};
+    writePack(pack, folder.file("t.csv"));
+    const std::string yade = folder.file("t.yade");
+    auto convert = onPack<ConvertRecipe>(folder.file("t.csv"), {}, "yade:" + yade);
+    CHECK(mentions(runConvert(convert).warnings, "`columns` density_class=type"));
+    convert.packColumns.renamed = {{"density_class", "type"}};
+    CHECK(runConvert(convert).warnings.empty());
+    CHECK_THAT(contentOf(yade), Contains("matId") && Contains("1.0\t0\n") && Contains("1.0\t1\n"));
+}
+
+TEST_CASE("a recipe of another command names its command") {
+    const TemporaryFolder folder;
+    const std::string recipe = folder.file("r.toml");
+    std::ofstream(recipe) << "[carve]\nPACK = 'p.vtp'\nshell = 2\n";
+    const auto refused = vdbPack("pack --config " + recipe);
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.text, Contains("[carve]") && Contains("vdb_pack carve --config"));
+}
+
+TEST_CASE("a parts file that is missing comes back from the recipe of its pack") {
+    const TemporaryFolder folder;
+    const std::string parts = folder.file("parts.toml"), recipe = folder.file("p.recipe.toml");
+    std::ofstream(parts) << "[[part]]\nname = 'a'\ndomain = 'ball:4'\n";
+    REQUIRE(
+        vdbPack("pack --radius constant:1 --parts " + parts + " -o " + folder.file("p.csv")).code ==
+        0);
+    const std::string text = contentOf(parts);
+    std::filesystem::remove(parts);
+    const auto refused = vdbPack("pack --config " + recipe);
+    CHECK(refused.code != 0);
+    const auto command = refused.text.find("sed ");
+    REQUIRE(command != std::string::npos);
+    REQUIRE(shell(refused.text.substr(command)).code == 0);
+    CHECK(contentOf(parts) == text);
+    CHECK(vdbPack("pack --config " + recipe).code == 0);
+}
+
+TEST_CASE("a part that lies apart is said to be connected by no bond") {
+    const TemporaryFolder folder;
+    Pack<3> pack = pairOfParts();
+    pack.spheres[1].center[0] = 40;
+    writePack(pack, folder.file("p.vtp"));
+    const auto warnings =
+        runConvert(onPack<ConvertRecipe>(folder.file("p.vtp"), {}, "bonds:" + folder.file("b.csv")))
+            .warnings;
+    CHECK(mentions(warnings, "femur has no bond that connects it to another part"));
+    CHECK_FALSE(mentions(warnings, "next to nothing"));
 }

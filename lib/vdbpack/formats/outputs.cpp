@@ -6,6 +6,7 @@
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/material_file.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/pack_parts.h"
@@ -19,6 +20,7 @@
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -144,6 +146,33 @@ void warnOfTexts(const OutputTarget& target, const Pack<Dim>& pack, const Callba
                 "{}: the texts of column {} are left out, as .vtkhdf holds numbers alone; .csv, "
                 ".vtp and .vdb keep them",
                 target.file, quotedExcerpt(column.name)));
+}
+
+/// A .ply has no other columns.
+template <int Dim>
+void warnOfColumns(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
+    if (target.kind != OutputKind::pack || target.extension() != ".ply") return;
+    std::vector<std::string> lost;
+    if (!pack.region.empty()) lost.push_back("region");
+    for (const Column& column : pack.columns) lost.push_back(column.name);
+    if (!lost.empty())
+        callbacks.warn(fmt::format(
+            "{}: holds positions, radii and ids alone, without the columns {}; .csv, .vtp and "
+            ".vdb keep them",
+            target.file, quotedExcerpt(fmt::format("{}", fmt::join(lost, ", ")))));
+}
+
+/// Materials are counted from parts, regions and classes, which a column `type` replaces.
+template <int Dim>
+void warnOfTypes(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
+    const Column* const types = columnOfNumbers(pack, "type");
+    if (!types || (target.kind != OutputKind::materials && target.text.rfind("yade:", 0) != 0))
+        return;
+    const auto& numbers = types->numbers;
+    if (std::any_of(numbers.begin(), numbers.end(), [&](double v) { return v != numbers[0]; }))
+        callbacks.warn(target.text +
+                       ": the numbers in the column type are left out, as they name no materials; "
+                       "set `columns` density_class=type for a material of each");
 }
 
 /// YADE repeats along all axes or none.
@@ -371,6 +400,8 @@ std::vector<std::string> writeOutputs(const std::vector<OutputTarget>& outputs,
         if (have.pack) {
             warnOfIds(output, *have.pack, callbacks);
             warnOfTexts(output, *have.pack, callbacks);
+            warnOfColumns(output, *have.pack, callbacks);
+            warnOfTypes(output, *have.pack, callbacks);
             warnOfCell(output, *have.pack, callbacks);
         }
         const auto written = writeOutput(output, all);

@@ -323,6 +323,10 @@ Pack<3> PackBuilder::finish() {
                   further.end());
     if (hasRadii_ && options_.radius > 0)
         options_.callbacks.warn(file_ + ": has radii of its own; `packRadius` is not used");
+    if (options_.requestedUnit != Unit::millimeter && options_.requestedUnit != options_.unit)
+        options_.callbacks.warn(
+            fmt::format("{}: states that its lengths are in {}; `packUnit` {} is not used", file_,
+                        unitName(options_.unit), unitName(options_.requestedUnit)));
     dropDefaultIds(pack_);
     return std::move(pack_);
 }

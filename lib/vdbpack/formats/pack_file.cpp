@@ -130,8 +130,10 @@ template void writePack<3>(const Pack<3>&, const std::string&, const PackWriteOp
 
 Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
     const PackTarget t = targetToRead(file);
+    PackReadOptions requested = options;
+    requested.requestedUnit = options.unit;
     try {
-        return t.read(t.path, options);
+        return t.read(t.path, requested);
     } catch (const std::bad_alloc&) {
         throw ResourceError(t.path +
                             ": does not fit into memory; read it on a machine that has more");

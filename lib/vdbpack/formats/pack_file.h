@@ -133,6 +133,9 @@ struct PackColumns {
 
 struct PackReadOptions {
     Unit unit = Unit::millimeter;  ///< of the file, unless the file records its own
+    /// `unit` as the caller set it; set by `readPack`, for a warning where the file records
+    /// another.
+    Unit requestedUnit = Unit::millimeter;
     PackColumns columns;
     double radius = 0;  ///< mm, of the spheres of a file without radii; 0: such a file is refused
     /// .vdb: the point grid; empty: the first one.

@@ -91,7 +91,14 @@ void warnOfMissingDensities(const PackAttributes& pack,
     if (Materials(pack).hasParts()) return;
     std::set<std::int32_t> missing(pack.region.begin(), pack.region.end());
     if (missing.empty()) missing.insert(0);
-    for (const auto& [region, density] : densities) missing.erase(region);
+    std::set<std::int32_t> unused;
+    for (const auto& [region, density] : densities)
+        if (missing.erase(region) == 0) unused.insert(region);
+    if (!unused.empty())
+        callbacks.warn(
+            fmt::format("`density` of region {} has no effect: {}", fmt::join(unused, ", "),
+                        pack.region.empty() ? "the spheres have no regions and count as region 0"
+                                            : "no sphere is in it"));
     if (!missing.empty())
         callbacks.warn(fmt::format(
             "`density` has none for region {}: its spheres have {:g} kg/m³. Give one for each "

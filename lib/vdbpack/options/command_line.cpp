@@ -224,6 +224,18 @@ void addPartsText(PackJob& job) {
         job.optionsText += "#   " + printable(line) + '\n';
 }
 
+/// Refuses a parts file that is missing where a recipe has its text. @throws IoError
+void requireParts(const Command& command, const std::string& file) {
+    const CLI::Option* config = command.app->get_parent()->get_config_ptr();
+    if (file.empty() || !config || config->count() == 0 || std::filesystem::exists(file)) return;
+    const std::string recipe = config->as<std::string>();
+    if (holdsPartsText(recipe))
+        throw IoError(fmt::format(
+            "{0}: does not exist, but {1} ends with its text as comments; to get it back, run: sed "
+            "'1,/^# .* was:$/d; s/^#   //' {2} > {3}",
+            file, recipe, shellQuoted(recipe), shellQuoted(file)));
+}
+
 void complete(const Command& command, const std::vector<std::string>& words) {
     requireRelated(command);
     keepShown(command, words);
@@ -233,8 +245,10 @@ void complete(const Command& command, const std::vector<std::string>& words) {
             if (domain.source.empty()) domain.source = domain.cavities.outer;
             bool hasParts = false;
             using Recipe = std::decay_t<decltype(recipe)>;
-            if constexpr (std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VerifyRecipe>)
+            if constexpr (std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VerifyRecipe>) {
+                requireParts(command, recipe.partsFile);
                 hasParts = addParts(recipe);
+            }
             if (domain.source.empty() && !hasParts && command.app->get_option_no_throw("DOMAIN"))
                 throw CLI::RequiredError("DOMAIN");
             if constexpr (kHasVoids<Recipe>) recipe.voids = voidsOf(recipe.request);

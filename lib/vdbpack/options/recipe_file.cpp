@@ -109,6 +109,13 @@ std::optional<std::uint64_t> statedHash(const std::string& file) {
     return std::nullopt;
 }
 
+bool holdsPartsText(const std::string& recipe) {
+    std::ifstream in(recipe);
+    for (std::string line; std::getline(in, line);)
+        if (startsWith(line, "# ") && endsWith(line, " was:")) return true;
+    return false;
+}
+
 void leaveRecipe(const std::string& toml, const std::vector<OutputTarget>& outputs, Report& report,
                  const Callbacks& callbacks) {
     std::string file = recipeFileFor(outputs);

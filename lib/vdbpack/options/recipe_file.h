@@ -20,6 +20,9 @@ std::string recipeFileText(const std::string& toml, const std::string& file, con
 /// The hash that a file which `leaveRecipe` wrote states; nothing if there is none.
 std::optional<std::uint64_t> statedHash(const std::string& file);
 
+/// Whether the recipe in a file ends with the text of its parts file, as comments.
+bool holdsPartsText(const std::string& recipe);
+
 /// Writes the recipe beside the first output, as NAME.recipe.toml, or, where that is the recipe of
 /// other outputs, with their extension too, as NAME.EXT.recipe.toml. Adds it to `report.files` and
 /// keeps it in `report.recipe`. A file of that name that is no such recipe stays, with a warning,

@@ -14,9 +14,11 @@
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace vdbpack {
 
@@ -110,7 +112,16 @@ public:
             }
         }
     }
-    const std::vector<CLI::ConfigItem>& items() const { return items_; }
+    /// The options. @throws InputError if the file holds those of another command alone.
+    const std::vector<CLI::ConfigItem>& items() const {
+        const std::string& own = command_.get_name();
+        if (items_.empty() && other_)
+            values_.fail(*other_->second,
+                         fmt::format("this is a recipe of [{0}], without options of {1}; run "
+                                     "vdb_pack {0} {2} with this file",
+                                     other_->first, own, optionName("config")));
+        return items_;
+    }
 
 private:
     void readCommand(const std::string& name, const toml::node& value) {
@@ -122,6 +133,7 @@ private:
                          fmt::format("[{}] is not a command of vdb_pack; options of this one "
                                      "belong to [{}]",
                                      name, command_.get_name()));
+        other_.emplace(name, &value);
     }
     void readOption(const std::string& name, const toml::node& value) {
         CLI::ConfigItem item;
@@ -145,6 +157,8 @@ private:
     const CLI::App& command_;
     Values values_;
     std::vector<CLI::ConfigItem> items_;
+    /// A command with options in the file that is not the one that runs.
+    std::optional<std::pair<std::string, const toml::node*>> other_;
 };
 
 /// Each dot may open a table within the one before, and tables are destroyed within each other: a
@@ -212,7 +226,8 @@ std::vector<CLI::ConfigItem> RecipeFormat::from_config(std::istream& input) cons
     try {
         requireShallow(text, file);
         Reader reader(*running.front(), file, fileIn_);
-        reader.readTable(toml::parse(text), true);
+        const toml::table all = toml::parse(text);
+        reader.readTable(all, true);
         return reader.items();
     } catch (const InputError& e) {
         throw CLI::ConfigError(e.what());

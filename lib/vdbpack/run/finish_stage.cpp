@@ -7,6 +7,7 @@
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/options/recipe_file.h"
 #include "vdbpack/preview/result_picture.h"
+#include "vdbpack/run/interfaces.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/solid_stage.h"
 #include "vdbpack/run/stages.h"
@@ -130,6 +131,7 @@ void write(Run<Dim>& run) {
         for (OutputTarget& output : outputs) output = interruptedName(output.text);
     }
     const BondOptions bonds = bondOptionsOf(settings);
+    warnOfUnusedBonds(run.pack, run.pack.origin, bonds, run.callbacks);
     run.pack.origin = {report.axes, bonds.tolerance,
                        std::max(bonds.interfaceTolerance, run.pack.origin.interfaceTolerance)};
     const RunOutputs<Dim> have = outputsOf(run);

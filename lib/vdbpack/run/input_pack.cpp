@@ -118,7 +118,8 @@ void warnOfTolerance(const std::string& file, const PackOrigin& origin, const Bo
         "{}: its contacts were counted with `contactTolerance` {:g}{}, and there are fewer pairs "
         "up "
         "to {:g}; set the same for the same pairs",
-        file, own, between > own ? fmt::format(" and `interfaceTolerance` {:g}", between) : "",
+        file, own,
+        between > std::max(own, now) ? fmt::format(" and `interfaceTolerance` {:g}", between) : "",
         options.tolerance));
 }
 

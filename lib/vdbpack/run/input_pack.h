@@ -65,7 +65,8 @@ DomainSource::Built buildAround(const std::optional<DomainSource>& source, int d
 /// The files that a run on a pack reads.
 std::vector<std::string> inputFiles(const InputPack& recipe);
 
-/// Reads pack and domain, and returns what `stages(run)` makes of the run of their dimension.
+/// Reads pack and domain, with the tolerance between parts that the pack states unless `recipe`
+/// sets one, and returns what `stages(run)` makes of the run of their dimension.
 /// @param voids  that will be cut; without a method, none are.
 template <class Stages>
 RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRecipe& voids,
@@ -84,16 +85,19 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
         report.seconds.mesh = clock.lap();
         requireSameAxes(recipe.pack, pack.origin, *source);
         beginOn({source.get()}, recipe, voids, report, heard, true);
-        warnOfTolerance(recipe.pack, pack.origin, bondOptionsOf(recipe), heard);
+        RunSettings settings = recipe;
+        if (!(settings.bonds.interfaceTolerance > 0))
+            settings.bonds.interfaceTolerance = pack.origin.interfaceTolerance;
+        warnOfTolerance(recipe.pack, pack.origin, bondOptionsOf(settings), heard);
         if (report.axes.empty()) report.axes = pack.origin.axes;
         warnOfUnused(domain, *source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, voids, source->dim());
         if (source->dim() == 2) {
-            Run<2> run(recipe, source, report, clock, limited);
+            Run<2> run(settings, source, report, clock, limited);
             run.pack = asCircles(pack);
             return stages(run);
         }
-        Run<3> run(recipe, source, report, clock, limited);
+        Run<3> run(settings, source, report, clock, limited);
         run.pack = pack;
         return stages(run);
     });

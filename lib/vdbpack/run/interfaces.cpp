@@ -124,6 +124,21 @@ std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance) {
     return pairs;
 }
 
+void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,
+                       const BondOptions& options, const Callbacks& callbacks) {
+    if (options.interfaceTolerance > origin.interfaceTolerance &&
+        !columnOfNumbers(pack, kPartColumn))
+        callbacks.warn(fmt::format(
+            "`interfaceTolerance` {:g} has no effect: the spheres have no column {}, which says "
+            "which of several parts each is in; `contactTolerance` is that of all pairs",
+            options.interfaceTolerance, kPartColumn));
+    if (options.law.modulus != BondLaw().modulus && columnOfNumbers(pack, kModulusColumn))
+        callbacks.warn(fmt::format(
+            "`bond-modulus` {:g} has no effect: bonds take the moduli in the column {} of their "
+            "spheres",
+            options.law.modulus, kModulusColumn));
+}
+
 template <class Pair>
 void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
                       const Callbacks& callbacks) {
@@ -139,11 +154,16 @@ void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
     for (const auto& [part, count] : joined) {
         if (count >= kFewBonds || joined.size() < 2) continue;
         const auto at = static_cast<std::size_t>(part);
-        callbacks.warn(
-            fmt::format("{} has {} with other parts and carries next to nothing of their load; set "
-                        "`interfaceTolerance` as the run did that packed it, or to what it advised",
-                        at < names.size() ? names[at] : fmt::format("part {}", part),
-                        count == 1 ? "1 bond" : fmt::format("{} bonds", count)));
+        callbacks.warn(fmt::format(
+            "{} has {}; {} `interfaceTolerance` as the run did that packed it, or to what it "
+            "advised",
+            at < names.size() ? names[at] : fmt::format("part {}", part),
+            count == 0   ? "no bond that connects it to another part"
+            : count == 1 ? "1 bond with other parts and carries next to nothing of their load"
+                         : fmt::format("{} bonds with other parts and carries next to nothing of "
+                                       "their load",
+                                       count),
+            count == 0 ? "if it touches others and does not lie apart from them, set" : "set"));
     }
 }
 

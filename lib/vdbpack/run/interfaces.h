@@ -8,6 +8,11 @@ namespace vdbpack {
 /// The pairs in contact of a pack whose spheres are in two parts, by their column `kPartColumn`.
 std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance);
 
+/// Warns of a tolerance between parts where a pack has none and states none, and of a modulus of
+/// bonds where all spheres have their own.
+void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,
+                       const BondOptions& options, const Callbacks& callbacks);
+
 /// Warns of parts of a pack that hardly any of its bonds or contacts joins to others.
 template <class Pair>
 void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,

@@ -51,6 +51,7 @@ void checkWithoutDomain(const ConvertRecipe& recipe, const Callbacks& callbacks)
 void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptions& options,
                ConvertResult& result, const Callbacks& callbacks) {
     warnOfUnusedBonds(recipe, callbacks);
+    warnOfUnusedBonds(pack, pack.origin, options, callbacks);
     if (std::none_of(recipe.outputs.begin(), recipe.outputs.end(),
                      [](const OutputTarget& output) { return output.listsPairs(); }))
         return;

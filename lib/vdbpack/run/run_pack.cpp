@@ -7,6 +7,7 @@
 #include "vdbpack/preview/result_picture.h"
 #include "vdbpack/report/measured_pack.h"
 #include "vdbpack/run/estimate.h"
+#include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/pack_stage.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/run_parts.h"
@@ -33,6 +34,7 @@ void prepareExisting(const PackRecipe& recipe, const DomainSource& source, Prepa
                      const Callbacks& callbacks) {
     if (recipe.existing.empty()) return;
     prepared.existing = readExisting<Dim>(recipe, prepared.built.sliceHeight, callbacks);
+    requireSameAxes(recipe.existing, prepared.existing.origin, source);
     const auto& spheres = prepared.existing.spheres;
     const OverlapCheck among = checkOverlap(spheres, ofDim<Dim>(prepared.built)->cell());
     if (!among.complete)

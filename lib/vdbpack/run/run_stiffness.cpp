@@ -36,6 +36,7 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
     const auto source = domainAround(named, 3, callbacks);
     std::vector<double> depths;
     if (source) {
+        requireSameAxes(recipe.pack, pack.origin, *source);
         const auto built =
             buildAround(source, 3, radius, centers.size(), radius.max + reach, recipe, callbacks);
         body.volume = built.space->volume();
@@ -281,6 +282,7 @@ StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& cal
         result.seconds.domain = clock.lap();
         BondOptions options = bondOptionsOf(recipe);
         warnOfTolerance(recipe.pack, pack.origin, options, heard);
+        warnOfUnusedBonds(pack, pack.origin, options, heard);
         if (recipe.press)
             press(recipe, pack, options, body, result, heard);
         else if (recipe.fits)

@@ -20,11 +20,15 @@ namespace vdbpack {
 
 namespace {
 
+std::vector<std::string> namesOf(const Parts& parts) {
+    std::vector<std::string> names;
+    for (const Part& part : parts) names.push_back(part.recipe.name);
+    return names;
+}
+
 /// Refuses domains in another order than the parts of a pack. @throws InputError
 void checkOrder(const std::string& file, const Pack<3>& pack, const Parts& parts) {
-    const std::vector<std::string>& names = partNames(pack);
-    std::vector<std::string> given;
-    for (const Part& part : parts) given.push_back(part.recipe.name);
+    const std::vector<std::string>&names = partNames(pack), given = namesOf(parts);
     if (names != given &&
         std::is_permutation(names.begin(), names.end(), given.begin(), given.end()))
         throw InputError(fmt::format(
@@ -95,6 +99,27 @@ void verifyParts(const Parts& parts, const std::string& file, Pack<3>& pack, Rep
     if (report.volume > 0) report.solidFractionTotal = covered / report.volume;
 }
 
+/// Warns where spheres of parts protrude from what are not the domains of these parts.
+void warnOfOtherParts(const VerifyRecipe& recipe, const Pack<3>& pack, const Parts& parts,
+                      const Callbacks& callbacks) {
+    const std::vector<std::string>&names = partNames(pack), given = namesOf(parts);
+    if (parts.empty()) {
+        std::string label = recipe.domain.label;
+        std::replace(label.begin(), label.end(), '+', ',');
+        callbacks.warn(fmt::format(
+            "{}: its spheres are in several parts, which have walls of their own; set {}, as the "
+            "run did that packed them",
+            recipe.pack,
+            label.find(',') != label.npos ? "`label` " + label
+                                          : "`partsFile` or all their labels"));
+    } else if (!names.empty() && names != given) {
+        callbacks.warn(fmt::format(
+            "{}: its parts are {}, and were held against {}; give the domains of the same parts in "
+            "the same order",
+            recipe.pack, fmt::join(names, ", "), fmt::join(given, ", ")));
+    }
+}
+
 }  // namespace
 
 RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
@@ -136,12 +161,15 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
                 vacancies = all;
             });
         run.vacancies = vacancies;
+        auto* pack = std::get_if<Pack<3>>(&run.pack);
         if (!parts.empty()) {
-            auto* pack = std::get_if<Pack<3>>(&run.pack);
             if (!pack) throw InputError(recipe.pack + ": holds circles, and parts hold spheres");
             verifyParts(parts, recipe.pack, *pack, run.report);
             run.passed = !failedChecks(run.report).any();
         }
+        if (pack && columnOfNumbers(*pack, kPartColumn) && run.report.protrusion &&
+            run.report.protrusion->spheres > 0)
+            warnOfOtherParts(recipe, *pack, parts, callbacks);
         run.report.seconds.total = clock.total();
         run.report.warnings = std::move(warnings);
         return run;

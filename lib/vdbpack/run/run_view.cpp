@@ -64,6 +64,7 @@ void view(const ViewRecipe& recipe, const DomainRecipe& domain, const Pack<Dim>&
           ViewResult& result, const Callbacks& callbacks) {
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
     const auto source = domainAround(domain, Dim, callbacks);
+    if (source) requireSameAxes(recipe.pack, pack.origin, *source);
     const auto built =
         buildAround(source, Dim, radius, pack.spheres.size(), radius.max, recipe, callbacks);
     if (source) {
