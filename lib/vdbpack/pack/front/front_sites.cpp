@@ -57,13 +57,12 @@ void FrontSites<Dim>::clear() {
     unused_ = kNone;
     arrived_ = 0;
     if (block_.local) radii_.clear();
-    const double low =
-        sweeps(settings.order) ? dot(block_.own.lo, settings.sweep) - settings.waves.depth() : 0.0;
+    const double low = sweeps(settings.order) ? dot(block_.own.lo, settings.sweep) : 0.0;
     // The lengths are those of the finest spheres, but for the largest radius.
     const double coarse = block_.local ? settings.maxRadius / settings.commonRadius : 1;
     const double ahead =
         coarse * (settings.lead + settings.wallLead + kMostNear * settings.crowdLead);
-    queue_.reset(static_cast<float>(low - ahead),
+    queue_.reset(static_cast<float>(low - settings.waves.most(ahead)),
                  static_cast<float>(kBucket * settings.meanRadius));
 }
 
@@ -191,11 +190,8 @@ FrontOrder FrontSites<Dim>::orderOf(const Vec<Dim>& start) {
     const FrontSettings<Dim>& settings = block_.settings;
     switch (settings.order) {
         case Order::sweep:
-        case Order::waves: {
-            FrontOrder order = settings.waves.at(start + block_.origin);
-            order.position += dot(start, settings.sweep);
-            return order;
-        }
+        case Order::waves:
+            return settings.waves.at(start + block_.origin, dot(start, settings.sweep));
         case Order::wall:
             return {-block_.sampler->signedDistance(start + block_.origin)};
         case Order::center:

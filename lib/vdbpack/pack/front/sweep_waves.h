@@ -24,9 +24,9 @@ struct SweepWaves {
     double length = 0;  ///< of a wave, mm; 0: there are none
     Vec<Dim> start;     ///< where waves begin, mm
 
-    /// What they add to the position along the sweep, and the slope of both together.
-    FrontOrder at(const Vec<Dim>& x) const {
-        FrontOrder order;
+    /// The order of a point at a position along the sweep.
+    FrontOrder at(const Vec<Dim>& x, double position) const {
+        FrontOrder order{position};
         if (length == 0) return order;
         double square = 1;
         double before = x[0] - start[0];  // sum of the coordinates so far
@@ -46,8 +46,11 @@ struct SweepWaves {
         return order;
     }
 
-    /// How far waves may lower the position of a point, mm.
-    double depth() const { return (Dim - 1) * kSteepest * length / 8; }
+    /// How far a site that goes ahead by some mm may come before its position along the sweep, mm.
+    double most(double ahead) const {
+        const double steepest = length > 0 ? std::sqrt(1 + (Dim - 1) * kSteepest * kSteepest) : 1;
+        return (Dim - 1) * kSteepest * length / 8 + steepest * ahead;
+    }
 
 private:
     /// Box 120, radii 1 to 2, largest eigenvalue of the fabric tensor and estimated moduli, largest
