@@ -64,6 +64,15 @@ TEST_CASE("bonds for a wanted modulus and Poisson's ratio give the pack these") 
     CHECK(beyond.code == 2);
     CHECK_THAT(beyond.text, Contains("--bond-modulus-for") && Contains("0.49"));
     CHECK(vdbPack("stiffness " + words + " --bond-modulus-for 300").code == 2);
+    // Between grips, the modulus alone.
+    const std::string pressed = words + " --press z --bond-shear 0.3";
+    const auto sought = stiffnessJson(pressed + " --bond-modulus-for 300");
+    CHECK(sought["pressed"]["modulus"].get<double>() == Approx(300));
+    const auto same =
+        stiffnessJson(pressed + " --bond-modulus " + sought["bonds"]["modulus"].dump());
+    CHECK(same["pressed"]["modulus"].get<double>() == Approx(300).epsilon(1e-4));
+    CHECK_THAT(vdbPack("stiffness " + pressed + " --bond-modulus-for 300,0.2").text,
+               Contains("write E alone"));
 }
 
 TEST_CASE("bonds are written in the unit of lengths, forces in N") {

@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 91974},
-    {"lib/python", 2059},
+    {"lib", 92098},
+    {"lib/python", 2062},
     {"lib/vdbpack/core", 2496},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 3881},
@@ -30,21 +30,21 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/image", 5703},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2835},
-    {"lib/vdbpack/domain", 6978},
+    {"lib/vdbpack/domain", 6981},
     {"lib/vdbpack/pack", 7817},
     {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5539},
     {"lib/vdbpack/voids", 8061},
     {"lib/vdbpack/formats", 10176},
-    {"lib/vdbpack/report", 3926},
-    {"lib/vdbpack/preview", 3422},
+    {"lib/vdbpack/report", 3960},
+    {"lib/vdbpack/preview", 3426},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3527},
-    {"lib/vdbpack/run", 6743},
+    {"lib/vdbpack/options", 3533},
+    {"lib/vdbpack/run", 6817},
     {"tools", 3841},
-    {"tests", 34640},
+    {"tests", 34688},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

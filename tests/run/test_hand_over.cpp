@@ -378,3 +378,37 @@ TEST_CASE("a part that lies apart is said to be connected by no bond") {
     CHECK(mentions(warnings, "femur has no bond that connects it to another part"));
     CHECK_FALSE(mentions(warnings, "next to nothing"));
 }
+
+TEST_CASE("densify refuses parts with walls that its domain does not have, and says where to ask") {
+    const TemporaryFolder folder;
+    PackJob job = halvesIn(folder.file("two.nrrd"));
+    job.outputs = {folder.file("p.vtp")};
+    runPack(job);
+    auto densify = onPack<DensifyRecipe>(folder.file("p.vtp"), folder.file("two.nrrd"));
+    densify.domain.label = "5";
+    densify.densify.fraction = 0.63;
+    CHECK_THROWS_WITH(runDensify(densify), Contains("protrude from the domain") &&
+                                               Contains("in the run that packs the parts"));
+}
+
+TEST_CASE("what is lost or has no effect is said: names in a .csv, repair settings") {
+    const TemporaryFolder folder;
+    writePack(pairOfParts(), folder.file("p.vtp"), {});
+    const auto convert = onPack<ConvertRecipe>(folder.file("p.vtp"), {}, folder.file("p.csv"));
+    CHECK(mentions(runConvert(convert).warnings, "names of the parts (femur, implant)"));
+    auto job = recipeFor(folder.file("b.stl"), "uniform:1,2");
+    writeStl(ballMesh(8, 3), folder.file("b.stl"), Unit::millimeter, "test");
+    job.domain.repairVoxel = 0.5;
+    CHECK(mentions(runPack(job).report.warnings, "no effect without `repair`"));
+}
+
+TEST_CASE("verify does not pass a pack in meters as one in mm") {
+    const TemporaryFolder folder;
+    auto job = recipeFor("ball:40", "constant:4", folder.file("p.csv"));
+    job.outUnit = Unit::meter;
+    runPack(job);
+    auto verify = onPack<VerifyRecipe>(folder.file("p.csv"), "ball:40");
+    CHECK_THROWS_WITH(runVerify(verify), Contains("`packUnit` m"));
+    verify.packUnit = Unit::meter;
+    CHECK(runVerify(verify).passed);
+}

@@ -216,7 +216,10 @@ class Pack:
 
     def to_dataframe(self) -> Any:
         """A pandas.DataFrame: id, x, y, z (mm), radius (mm), and all columns; a row a sphere."""
-        import pandas
+        try:
+            import pandas
+        except ImportError as error:
+            raise ImportError("to_dataframe needs pandas: pip install pandas, or python3-pandas of Debian") from error
 
         table: Dict[str, Any] = {"id": self.id}
         for d, axis in enumerate("xyz"[: self.positions.shape[1]]):

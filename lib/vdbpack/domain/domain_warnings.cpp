@@ -69,6 +69,9 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     for (const auto& [name, value] : {std::pair("label", recipe.label), {"mask", recipe.mask}})
         if (!image && !value.empty())
             callbacks.warn(fmt::format("`{}` {} has no effect: {} is no image", name, value, text));
+    if (!recipe.repair &&
+        (recipe.repairVoxel > 0 || recipe.repairComponents != DomainRecipe().repairComponents))
+        callbacks.warn("`repairVoxel` and `repairComponents` have no effect without `repair`");
     if ((levelSet || image) && (recipe.repair || recipe.cavities.any()))
         callbacks.warn("`repair` and `cavities` have no effect: " + text +
                        (image ? " is an image" : " is a level set"));

@@ -160,9 +160,10 @@ void list(OptionList& rows, StiffnessRecipe& job, PrintOptions& print) {
                  "stiffness for LAMMPS");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     bondOptions(rows, job.bonds);
-    rows.custom("bond-modulus-for", "E,NU",
+    rows.custom("bond-modulus-for", "E,NU|E",
                 "find modulus and shear ratio of the bonds with which this pack has an apparent "
-                "Young's modulus E, MPa, and Poisson's ratio NU (of the isotropic average)",
+                "Young's modulus E, MPa, and Poisson's ratio NU (of the isotropic average); with "
+                "`press`, the modulus with which it has E between its grips",
                 [&job](const std::string& text) {
                     std::tie(job.wantedModulus, job.wantedPoisson) = parseModulusAndPoisson(text);
                     job.fits = true;

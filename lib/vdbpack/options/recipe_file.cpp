@@ -1,6 +1,7 @@
 #include "vdbpack/options/recipe_file.h"
 
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/options/recipes.h"
 #include "vdbpack/report/found_value.h"
 

@@ -142,6 +142,8 @@ struct StiffnessRecipe : InputPack {
     /// radii, or deeper until these cover the ends.
     std::optional<double> grip;
     /// Young's modulus (MPa) and Poisson's ratio for which bonds are sought; `fits` false: none.
+    /// With `press`, the modulus alone (the ratio is NaN), of bonds with the shear ratio that is
+    /// set.
     bool fits = false;
     double wantedModulus = 0, wantedPoisson = 0;
 };

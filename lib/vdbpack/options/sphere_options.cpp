@@ -186,12 +186,14 @@ void bondOptions(OptionList& rows, BondOptions& bonds) {
 }
 
 std::pair<double, double> parseModulusAndPoisson(const std::string& text) {
-    const auto numbers = parseNumberList(text);
-    if (!numbers || numbers->size() != 2 || !((*numbers)[0] > 0) || !((*numbers)[1] > -1) ||
-        !((*numbers)[1] < 0.5))
+    auto numbers = parseNumberList(text);
+    if (numbers && numbers->size() == 1)
+        numbers->push_back(std::numeric_limits<double>::quiet_NaN());
+    if (!numbers || numbers->size() != 2 || !((*numbers)[0] > 0) || (*numbers)[1] <= -1 ||
+        (*numbers)[1] >= 0.5)
         throw ParameterError("`bond-modulus-for` '" + text +
                              "': write E,NU: MPa above 0, and a Poisson's ratio between -1 and "
-                             "0.5, such as 500,0.25");
+                             "0.5, such as 500,0.25; or with `press` E alone");
     return {(*numbers)[0], (*numbers)[1]};
 }
 

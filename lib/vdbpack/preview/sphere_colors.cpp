@@ -21,9 +21,13 @@ template <int Dim>
 const Column& columnNamed(const Pack<Dim>& pack, const std::string& name) {
     const Column* const column = columnOfNumbers(pack, name.c_str());
     if (column && column->numbers.size() == pack.spheres.size()) return *column;
+    std::string others;
+    for (const Column& other : pack.columns)
+        if (!other.numbers.empty()) others += ", " + other.name;
     throw ParameterError("`preview.color` " + name +
-                         ": there is no such column of numbers; color by radius, region, depth, "
-                         "order or a column of the pack");
+                         ": there is no such column of numbers; color by one of radius, region, "
+                         "depth, order" +
+                         others);
 }
 
 /// A color for each kind; the legend lists the kinds that occur.

@@ -1,6 +1,8 @@
 #include "vdbpack/report/densified_pack.h"
 
+#include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/clock.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/formats/joined_packs.h"
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
@@ -71,6 +73,35 @@ double solidLikeOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks,
     return all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0;
 }
 
+/// Gives the spheres from `before` on what the nearest sphere before them has in columns.
+template <int Dim>
+void takeColumns(std::vector<Column> columns, std::size_t before, Pack<Dim>& pack) {
+    const std::size_t all = pack.spheres.size();
+    const CellLevels<Dim> present(
+        {pack.spheres.begin(), pack.spheres.begin() + static_cast<std::ptrdiff_t>(before)});
+    for (Column& column : columns) {
+        if (!column.numbers.empty()) column.numbers.resize(all);
+        if (!column.texts.empty()) column.texts.resize(all);
+    }
+    parallelFor(before, all, [&](std::size_t i) {
+        const Sphere<Dim>& own = pack.spheres[i];
+        std::size_t nearest = before;
+        for (double reach = own.radius; nearest == before; reach *= 2) {
+            double least = reach;
+            present.forEachNear(own.center, reach, [&](std::uint32_t k, const Sphere<Dim>& s) {
+                const double away = length(s.center - own.center) - s.radius;
+                if (away < least || (away == least && k < nearest)) least = away, nearest = k;
+                return true;
+            });
+        }
+        for (Column& column : columns) {
+            if (!column.numbers.empty()) column.numbers[i] = column.numbers[nearest];
+            if (!column.texts.empty()) column.texts[i] = column.texts[nearest];
+        }
+    });
+    pack.columns = std::move(columns);
+}
+
 /// Warns if the result differs from the request.
 /// @param crystalline  share of spheres in crystalline order, if there are too many.
 template <int Dim>
@@ -134,7 +165,10 @@ void densifyPack(const Domain<Dim>& domain, DensifyOptions options,
                          result.spheres.end());
     result.spheres.resize(before);
     pack.spheres = std::move(result.spheres);
+    std::vector<Column> columns;
+    if (options.fixed == 0) columns.swap(pack.columns);
     pack = appended(std::move(pack), added.spheres);
+    if (!columns.empty()) takeColumns(std::move(columns), before, pack);
     if (ranks) {
         pack.order = labels;
         pieces = std::move(result.pieces);

@@ -168,8 +168,7 @@ double frontFraction(const PackRecipe& recipe, int dim, double mean, double ball
     const double filled = dim == 3 ? 0.604 + 0.145 * spread - 0.152 * wall * (mean + half)
                                    : 0.811 + 0.094 * spread - 0.096 * wall * (mean + half);
     double factor = recipe.packing.effort == Effort::fast && dim == 3 ? 0.95 : 1;
-    if (!sweeps(recipe.packing.order))
-        factor *= recipe.packing.order == Order::fifo ? 0.95 : 0.99;
+    if (!sweeps(recipe.packing.order)) factor *= recipe.packing.order == Order::fifo ? 0.95 : 0.99;
     return factor * std::clamp(filled, 0.15, 0.95) * std::pow(1 + half / mean, -dim) *
            std::max(0.0, 1 - half * wall);
 }

@@ -1,6 +1,7 @@
 // The run that cuts voids into a pack that was read: `vdb_pack carve`.
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/structure_sample.h"
@@ -27,9 +28,11 @@ void acceptInput(Run<Dim>& run, const CarveRecipe& recipe) {
     if (static_cast<double>(report.inputProtrusions) >
         kManyOutside * static_cast<double>(report.count))
         run.callbacks.warn(fmt::format(
-            "{}: {} of {} {} protrude from the domain. Check that the pack belongs to it, and that "
-            "`unit` and `packUnit` are right",
-            recipe.pack, report.inputProtrusions, report.count, Measure<Dim>::kSpheres));
+            "{}: {} of {} {} protrude from the domain. {}", recipe.pack, report.inputProtrusions,
+            report.count, Measure<Dim>::kSpheres,
+            columnOfNumbers(run.pack, kPartColumn)
+                ? "They are in several parts, which have walls of their own where they meet"
+                : "Check that the pack belongs to it, and that `unit` and `packUnit` are right"));
 }
 
 /// Spheres without ids go by their positions in the file, which change once others are removed.

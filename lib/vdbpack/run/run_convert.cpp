@@ -14,6 +14,7 @@
 #include "vdbpack/run/run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <optional>
@@ -63,8 +64,16 @@ void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptio
     result.interfaceTolerance = options.interfaceTolerance;
 }
 
-/// Notes the density that files for LAMMPS take where none is known, and the modulus of bonds.
-void noteDensity(const ConvertRecipe& recipe, const PackAttributes& pack, ConvertResult& result) {
+/// Notes the density that files for LAMMPS take where none is known, and the modulus of bonds;
+/// warns of names of parts, and axes, that a .csv does not hold.
+void noteMissing(const ConvertRecipe& recipe, const PackAttributes& pack, ConvertResult& result,
+                 const Callbacks& callbacks) {
+    for (const OutputTarget& output : recipe.outputs)
+        if (output.kind == OutputKind::pack && output.extension() == ".csv" &&
+            !partNames(pack).empty())
+            callbacks.warn(fmt::format(
+                "{}: holds neither the names of the parts ({}) nor axes; .vtp and .vdb keep them",
+                output.file, fmt::join(partNames(pack), ", ")));
     const bool isStated = columnOfNumbers(pack, kDensityColumn) || columnOfNumbers(pack, "density");
     const auto hasMasses = [](const OutputTarget& output) {
         return output.kind == OutputKind::materials ||
@@ -132,7 +141,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.hash = packHash(pack);
     addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
     keepDensities(pack, pack.spheres.size(), write.particleDensity, write.materialDensity);
-    noteDensity(recipe, pack, result);
+    noteMissing(recipe, pack, result, callbacks);
     if constexpr (Dim == 3) notePairs(recipe, pack, write.bonds, result, callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
     PreviewOptions preview = recipe.preview;

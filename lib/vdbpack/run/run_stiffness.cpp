@@ -190,9 +190,21 @@ StiffnessResult::Pressed gripsOn(const StiffnessRecipe& recipe, const Pack<3>& p
     return pressed;
 }
 
+/// Multiplies the moduli of all bonds. @return the wanted modulus divided by `found`
+double scaleModuli(const StiffnessRecipe& recipe, double found, Pack<3>& pack, BondOptions& options,
+                   StiffnessResult& result) {
+    const double factor = recipe.wantedModulus / found;
+    result.modulusFactor = factor;
+    result.law.modulus = options.law.modulus *= factor;
+    for (Column& column : pack.columns)
+        if (column.name == kModulusColumn)
+            for (double& modulus : column.numbers) modulus *= factor;
+    return factor;
+}
+
 /// Presses the body between two rigid grips, by one unit of strain of what lies between them.
-void press(const StiffnessRecipe& recipe, const Pack<3>& pack, const BondOptions& options,
-           BondedBody body, StiffnessResult& result, const Callbacks& callbacks) {
+void press(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, BondedBody body,
+           StiffnessResult& result, const Callbacks& callbacks) {
     StiffnessResult::Pressed pressed = gripsOn(recipe, pack, body.volume, callbacks);
     body.boundary.assign(pack.spheres.size(), 0);
     std::vector<Vec<3>> moves(pack.spheres.size());
@@ -214,6 +226,12 @@ void press(const StiffnessRecipe& recipe, const Pack<3>& pack, const BondOptions
     result.bonds = bonds.size();
     result.law = options.law;
     result.boundary = pressed.held[0] + pressed.held[1];
+    if (recipe.fits) {
+        if (!(pressed.modulus > 0))
+            throw ParameterError("`bond-modulus-for`: no bonds join the two grips of `press`");
+        const double factor = scaleModuli(recipe, pressed.modulus, pack, options, result);
+        pressed.stiffness *= factor, pressed.modulus *= factor;
+    }
     result.pressed = pressed;
 }
 
@@ -245,13 +263,8 @@ void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, con
     }
     if (!result.elasticity)
         throw ParameterError("`bond-modulus-for`: some strain of this pack meets no resistance");
-    const double factor = recipe.wantedModulus / result.elasticity->isotropicModulus;
-    result.modulusFactor = factor;
-    options.law.modulus *= factor;
-    for (Column& column : pack.columns)
-        if (column.name == kModulusColumn)
-            for (double& modulus : column.numbers) modulus *= factor;
-    result.law.modulus = options.law.modulus;
+    const double factor =
+        scaleModuli(recipe, result.elasticity->isotropicModulus, pack, options, result);
     for (Vec<6>& row : result.apparent.stiffness) row *= factor;
     result.elasticity = elasticityOf(result.apparent.stiffness);
 }
@@ -260,9 +273,13 @@ void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, con
 
 StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& callbacks) {
     checkSettings(recipe, RunKind::measure, {}, inputFiles(recipe));
-    if (recipe.press && (recipe.fits || recipe.boundary))
+    if (recipe.press && recipe.boundary)
+        throw ParameterError("`press` holds spheres in grips; leave `boundary` out");
+    if (recipe.fits && recipe.press.has_value() != std::isnan(recipe.wantedPoisson))
         throw ParameterError(
-            "`press` holds spheres in grips; leave `boundary` and `bond-modulus-for` out");
+            recipe.press ? "`bond-modulus-for`: grips give no Poisson's ratio; write E alone, and "
+                           "set `bond-shear` for the ratio of the bonds"
+                         : "`bond-modulus-for`: write E,NU; E alone is for `press`");
     StiffnessResult result;
     std::vector<std::string> warnings;
     const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);

@@ -99,6 +99,21 @@ void verifyParts(const Parts& parts, const std::string& file, Pack<3>& pack, Rep
     if (report.volume > 0) report.solidFractionTotal = covered / report.volume;
 }
 
+/// Refuses a pack that would span the domain in meters, and is read in mm.
+template <int Dim>
+void requireSameUnit(const std::string& file, const std::vector<Sphere<Dim>>& spheres,
+                     const Box<Dim>& domain) {
+    constexpr double kTimes = 1000, kLeast = 0.3, kMost = 1.05;  // of the domain's size
+    Box<Dim> all;
+    for (const Sphere<Dim>& s : spheres) all.add(s.center);
+    const double own = length(all.size()), whole = length(domain.size());
+    if (kTimes * own > kLeast * whole && kTimes * own < kMost * whole)
+        throw InputError(fmt::format(
+            "{}: the pack is {:.3g} mm across, and the domain {:.4g} mm; set `packUnit` m if its "
+            "lengths are in meters",
+            file, own, whole));
+}
+
 /// Warns where spheres of parts protrude from what are not the domains of these parts.
 void warnOfOtherParts(const VerifyRecipe& recipe, const Pack<3>& pack, const Parts& parts,
                       const Callbacks& callbacks) {
@@ -150,6 +165,7 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
             whole, std::move(given), std::move(report),
             [](const RadiusStatistics& r) { return 3 * r.max; }, callbacks,
             [&](const auto& pack, const auto* domain, const Report& measured) {
+                if (domain) requireSameUnit(recipe.pack, pack.spheres, domain->bounds());
                 if (recipe.vacancySamples == 0) return;
                 VacancySearch all;
                 all.radius = 1.02 * measured.radius.mean;
