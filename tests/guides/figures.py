@@ -11,8 +11,8 @@ FILES = {
 # Words of the command, how the guide states the figure, and how the command prints it.
 FIGURES = {
     "assets/guides/from-ct-to-dem.md": [
-        ("pack --parts", r"packs ([\d,]+) spheres", r"spheres +([\d,]+)"),
-        ("pack --parts", r"([\d,]+) of them join two parts", r"([\d,]+) contacts between parts"),
+        ("pack --parts body.toml", r"packs ([\d,]+) spheres", r"spheres +([\d,]+)"),
+        ("pack --parts body.toml", r"([\d,]+) of them join two parts", r"([\d,]+) contacts between parts"),
         ("-o trabecular.vdb", r"BV/TV becomes ([\d.]+)", r"BV/TV ([\d.]+), [\d.]+ centers"),
         ("-o trabecular.vdb", r"here ([\d.]+) % of the solid is in the largest", r"([\d.]+) % of the solid is in"),
     ],

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 92098},
+    {"lib", 92101},
     {"lib/python", 2062},
     {"lib/vdbpack/core", 2496},
     {"lib/vdbpack/io", 2961},
@@ -37,12 +37,12 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/measure", 5539},
     {"lib/vdbpack/voids", 8061},
     {"lib/vdbpack/formats", 10176},
-    {"lib/vdbpack/report", 3960},
+    {"lib/vdbpack/report", 3962},
     {"lib/vdbpack/preview", 3426},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3533},
-    {"lib/vdbpack/run", 6817},
+    {"lib/vdbpack/run", 6818},
     {"tools", 3841},
     {"tests", 34688},
 };

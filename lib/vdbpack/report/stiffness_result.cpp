@@ -107,7 +107,8 @@ std::string summary(const StiffnessResult& r) {
                          r.ownModuli ? "of each sphere" : fmt::format("{:.6g} MPa", r.law.modulus),
                          r.law.radiusFactor, r.law.shearRatio, r.law.isHinged ? ", hinged" : ""));
     if (r.modulusFactor != 1 && r.ownModuli)
-        line("", fmt::format("moduli of the spheres times {:.6g}", r.modulusFactor));
+        line("", fmt::format("moduli of the spheres times {:.6g}, at this k_t / k_n in all runs",
+                             r.modulusFactor));
     line("volume", fmt::format("{:.6g} mm³ of {}", r.volume, r.body));
     if (r.pressed) {
         const StiffnessResult::Pressed& p = *r.pressed;

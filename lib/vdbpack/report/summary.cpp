@@ -139,8 +139,9 @@ void addParts(Summary& out, const Report& r) {
         if (!p.requested.empty() && r.requested != p.requested) text += ", " + p.requested;
         out.line(&p == &r.parts.front() ? "parts" : "", text);
     }
-    out.line("", fmt::format("{} contact{} between parts", grouped(r.contactsBetweenParts),
-                             r.contactsBetweenParts == 1 ? "" : "s"));
+    out.line("", fmt::format("{} contact{} between parts (gap up to {:g})",
+                             grouped(r.contactsBetweenParts),
+                             r.contactsBetweenParts == 1 ? "" : "s", r.contactTolerance));
     constexpr std::size_t kShown = 6;
     for (std::size_t k = 0; k < std::min(kShown, r.interfaces.size()); ++k) {
         const InterfaceReport& i = r.interfaces[k];

@@ -136,7 +136,8 @@ bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& 
     if (static_cast<double>(outside) <= kMostOutside * static_cast<double>(count)) return false;
     callbacks.warn(
         fmt::format("{} of {} spheres have their center outside of {}, which is another body's "
-                    "domain; check `domain`, `label`, `mask`, `space` and units",
+                    "domain, or that of some of several parts; check `domain`, `label`, `mask`, "
+                    "`space` and units",
                     outside, count, domain));
     return true;
 }

@@ -104,14 +104,14 @@ void warnOfWeak(const InterfaceReport& r, const PartPair& pair, const Run<3>& al
     const double bulk = std::min(r.bulk[0], r.bulk[1]);
     if (!(r.perArea() < kWeak * bulk) || bulk * r.area < kFew) return;
     const auto enough = toleranceFor(bulk * r.area, pair, all);
-    all.callbacks.warn(
-        fmt::format("{} and {}: {} bonds on {:.4g} mm² of their common wall, {:.2g} per mm², where "
-                    "a plane through "
-                    "{} cuts {:.2g}, so that the interface is a weak plane{}",
-                    r.parts[0], r.parts[1], r.pairs, r.area, r.perArea(),
-                    r.parts[r.bulk[0] <= r.bulk[1] ? 0 : 1], bulk,
-                    enough ? fmt::format("; `interfaceTolerance` {:g} gives it as many", *enough)
-                           : "; give smaller radii"));
+    all.callbacks.warn(fmt::format(
+        "{} and {}: {} on {:.4g} mm² of their common wall, {:.2g} per mm², where "
+        "a plane through "
+        "{} cuts {:.2g}, so that the interface is a weak plane{}",
+        r.parts[0], r.parts[1], r.pairs == 1 ? "1 bond" : fmt::format("{} bonds", r.pairs), r.area,
+        r.perArea(), r.parts[r.bulk[0] <= r.bulk[1] ? 0 : 1], bulk,
+        enough ? fmt::format("; `interfaceTolerance` {:g} gives it as many", *enough)
+               : "; give smaller radii"));
 }
 
 }  // namespace
@@ -155,8 +155,8 @@ void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
         if (count >= kFewBonds || joined.size() < 2) continue;
         const auto at = static_cast<std::size_t>(part);
         callbacks.warn(fmt::format(
-            "{} has {}; {} `interfaceTolerance` as the run did that packed it, or to what it "
-            "advised",
+            "{} has {}; {} `interfaceTolerance` to what a run that packs the parts and writes "
+            "`bonds:` or `contacts:` advises",
             at < names.size() ? names[at] : fmt::format("part {}", part),
             count == 0   ? "no bond that connects it to another part"
             : count == 1 ? "1 bond with other parts and carries next to nothing of their load"
