@@ -116,3 +116,29 @@ TEST_CASE("BV/TV of the solid stands beside the share that the spheres fill") {
     CHECK(*run.report.voids->filled == Approx(filled / (8 * 8 * 8)));
     CHECK(*run.report.voids->filled < *run.report.voids->bvtv);
 }
+
+TEST_CASE("carve refuses parts with walls that its domain does not have, and says where to ask") {
+    const TemporaryFolder folder;
+    writeHalves(folder.file("two.nrrd"));
+    PackJob job;
+    job.domain.source = folder.file("two.nrrd");
+    job.domain.label = "all";
+    job.targetCount = 500;
+    job.outputs = {folder.file("p.vtp")};
+    runPack(job);
+    auto carve = onPack<CarveJob>(folder.file("p.vtp"), folder.file("two.nrrd"));
+    carve.domain.label = "5";
+    setVoids(carve.request, "boolean", "constant:1", 0.5);
+    CHECK_THROWS_WITH(runCarve(carve), Contains("Set `voids` in the run that packs the parts"));
+}
+
+TEST_CASE("settings of a domain are refused where there is none") {
+    const TemporaryFolder folder;
+    runPack(recipeFor("ball:5", "uniform:0.5,1", folder.file("p.csv")));
+    auto convert = onPack<ConvertRecipe>(folder.file("p.csv"), {}, folder.file("q.csv"));
+    convert.domain.label = "3";
+    CHECK_THROWS_WITH(runConvert(convert), Contains("`label` applies to the domain"));
+    convert.domain.label.clear();
+    convert.domain.pose.translate = Vec<3>{100, 0, 0};
+    CHECK_THROWS_WITH(runConvert(convert), Contains("`translate`"));
+}

@@ -162,17 +162,17 @@ void warnOfColumns(const OutputTarget& target, const Pack<Dim>& pack, const Call
             target.file, quotedExcerpt(fmt::format("{}", fmt::join(lost, ", ")))));
 }
 
-/// Materials are counted from parts, regions and classes, which a column `type` replaces.
 template <int Dim>
 void warnOfTypes(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    const Column* const types = columnOfNumbers(pack, "type");
+    const Column* const yade = columnOfNumbers(pack, "matId");
+    const Column* const types = yade ? yade : columnOfNumbers(pack, "type");
     if (!types || (target.kind != OutputKind::materials && target.text.rfind("yade:", 0) != 0))
         return;
-    const auto& numbers = types->numbers;
-    if (std::any_of(numbers.begin(), numbers.end(), [&](double v) { return v != numbers[0]; }))
-        callbacks.warn(target.text +
-                       ": the numbers in the column type are left out, as they name no materials; "
-                       "set `columns` density_class=type for a material of each");
+    const auto& all = types->numbers;
+    if (std::any_of(all.begin(), all.end(), [&](double v) { return v != all[0]; }))
+        callbacks.warn(target.text + ": the numbers in the column " + types->name +
+                       " are left out, as they name no materials; set `columns` density_class=" +
+                       types->name + " for a material of each");
 }
 
 /// YADE repeats along all axes or none.

@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/grey_values.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/with_images.h"
 #include "vdbpack/io/text.h"
@@ -14,8 +15,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -142,6 +145,35 @@ bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& 
     return true;
 }
 
+template <int Dim>
+void requireOneBody(const Pack<Dim>& pack, const Domain<Dim>& domain, const std::string& file,
+                    const char* setting) {
+    const Column* const parts = columnOfNumbers(pack, kPartColumn);
+    if (!parts) return;
+    constexpr double kMany = 0.05, kDeep = 0.01;  // share of a part's spheres, of the radius
+    std::map<double, std::pair<std::size_t, std::size_t>> protruding;  // of how many, by part
+    const auto sampler = domain.sampler();
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        const Sphere<Dim>& s = pack.spheres[i];
+        auto& [some, all] = protruding[parts->numbers[i]];
+        some += sampler->signedDistance(s.center) > -(1 - kDeep) * s.radius;
+        ++all;
+    }
+    const std::vector<std::string>& names = partNames(pack);
+    for (const auto& [part, count] : protruding)
+        if (static_cast<double>(count.first) > kMany * static_cast<double>(count.second)) {
+            const auto number = static_cast<std::size_t>(part);
+            throw InputError(fmt::format(
+                "{}: {} of {} spheres of its part {} protrude from the domain, so this is not the "
+                "domain of all parts. Set `{}` in the run that packs the parts",
+                file, count.first, count.second,
+                number < names.size() ? names[number] : fmt::format("{:g}", part), setting));
+        }
+}
+
+template void requireOneBody(const Pack<2>&, const Domain<2>&, const std::string&, const char*);
+template void requireOneBody(const Pack<3>&, const Domain<3>&, const std::string&, const char*);
+
 void requireDomain(const InputPack& recipe) {
     const DomainRecipe& d = recipe.domain;
     if (!d.source.empty()) return;
@@ -150,6 +182,11 @@ void requireDomain(const InputPack& recipe) {
                       : d.slice                             ? "`slice`"
                       : !d.clips.empty()                    ? "`clips`"
                       : d.periodic != std::array<bool, 3>{} ? "`periodic`"
+                      : d.pose.any()                        ? "`translate` (or another move)"
+                      : !d.label.empty()                    ? "`label`"
+                      : !d.mask.empty()                     ? "`mask`"
+                      : d.threshold                         ? "`threshold`"
+                      : d.repair                            ? "`repair`"
                                                             : nullptr;
     if (set)
         throw ParameterError(fmt::format(

@@ -31,6 +31,12 @@ std::optional<Pack<3>> readInputPackUnlessSolid(const InputPack& recipe,
 /// Refuses settings of a domain that is not there. @throws ParameterError
 void requireDomain(const InputPack& recipe);
 
+/// Refuses a pack of parts of which one protrudes from the domain: its walls are others.
+/// @param setting  that the run that packs the parts takes instead. @throws InputError
+template <int Dim>
+void requireOneBody(const Pack<Dim>& pack, const Domain<Dim>& domain, const std::string& file,
+                    const char* setting);
+
 /// The domain of a pack: that of the recipe, or else the periodic cell that its file states.
 DomainRecipe domainOf(const InputPack& recipe, const Pack<3>& pack);
 

@@ -1,7 +1,6 @@
 // The run that cuts voids into a pack that was read: `vdb_pack carve`.
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/formats/materials.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/structure_sample.h"
@@ -28,11 +27,9 @@ void acceptInput(Run<Dim>& run, const CarveRecipe& recipe) {
     if (static_cast<double>(report.inputProtrusions) >
         kManyOutside * static_cast<double>(report.count))
         run.callbacks.warn(fmt::format(
-            "{}: {} of {} {} protrude from the domain. {}", recipe.pack, report.inputProtrusions,
-            report.count, Measure<Dim>::kSpheres,
-            columnOfNumbers(run.pack, kPartColumn)
-                ? "They are in several parts, which have walls of their own where they meet"
-                : "Check that the pack belongs to it, and that `unit` and `packUnit` are right"));
+            "{}: {} of {} {} protrude from the domain. Check that the pack belongs to it, and that "
+            "`unit` and `packUnit` are right",
+            recipe.pack, report.inputProtrusions, report.count, Measure<Dim>::kSpheres));
 }
 
 /// Spheres without ids go by their positions in the file, which change once others are removed.
@@ -59,6 +56,7 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     extent.count = static_cast<double>(run.pack.spheres.size());
     addVoids(extent, recipe.voids, radius.max);
     domainStage(run, extent, detail, reach, voxel);
+    requireOneBody(run.pack, run.domain(), recipe.pack, "voids");
     cutStage(run);
     measureStage(run);
     acceptInput(run, recipe);

@@ -69,7 +69,8 @@ void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptio
 void noteMissing(const ConvertRecipe& recipe, const PackAttributes& pack, ConvertResult& result,
                  const Callbacks& callbacks) {
     for (const OutputTarget& output : recipe.outputs)
-        if (output.kind == OutputKind::pack && output.extension() == ".csv" &&
+        if (output.kind == OutputKind::pack &&
+            (output.extension() == ".csv" || output.extension() == ".xyz") &&
             !partNames(pack).empty())
             callbacks.warn(fmt::format(
                 "{}: holds neither the names of the parts ({}) nor axes; .vtp and .vdb keep them",

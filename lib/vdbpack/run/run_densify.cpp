@@ -1,5 +1,4 @@
 // The run that makes any pack denser: `vdb_pack densify`.
-#include "vdbpack/formats/materials.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
@@ -8,9 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
-#include <utility>
 
 namespace vdbpack {
 
@@ -19,32 +16,6 @@ namespace {
 /// Below this solid fraction, packs have voids.
 template <int Dim>
 constexpr double kOfVoids = Dim == 3 ? 0.45 : 0.65;
-
-/// Refuses parts that have walls of their own, which the domain does not have.
-template <int Dim>
-void requireOneBody(const Run<Dim>& run, const std::string& file) {
-    const Column* const parts = columnOfNumbers(run.pack, kPartColumn);
-    if (!parts) return;
-    constexpr double kMany = 0.05, kDeep = 0.01;  // share of a part's spheres, of the radius
-    std::map<double, std::pair<std::size_t, std::size_t>> protruding;  // of how many, by part
-    const auto sampler = run.domain().sampler();
-    for (std::size_t i = 0; i < run.pack.spheres.size(); ++i) {
-        const Sphere<Dim>& s = run.pack.spheres[i];
-        auto& [some, all] = protruding[parts->numbers[i]];
-        some += sampler->signedDistance(s.center) > -(1 - kDeep) * s.radius;
-        ++all;
-    }
-    const std::vector<std::string>& names = partNames(run.pack);
-    for (const auto& [part, count] : protruding)
-        if (static_cast<double>(count.first) > kMany * static_cast<double>(count.second)) {
-            const auto number = static_cast<std::size_t>(part);
-            throw InputError(fmt::format(
-                "{}: {} of {} spheres of its part {} protrude from the domain, so this is not the "
-                "domain of all parts. Set `densify` in the run that packs the parts",
-                file, count.first, count.second,
-                number < names.size() ? names[number] : fmt::format("{:g}", part)));
-        }
-}
 
 template <int Dim>
 RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
@@ -67,7 +38,7 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     const PeriodicCell<Dim> stated = run.pack.cell;
     domainStage(run, extent, detail, reach);
     warnOfOtherCell(recipe.pack, stated, recipe.domain, run.domain(), run.callbacks);
-    requireOneBody(run, recipe.pack);
+    requireOneBody(run.pack, run.domain(), recipe.pack, "densify");
     const double fraction = solidFraction(run.pack.spheres, run.domain());
     if (fraction < kOfVoids<Dim> && recipe.densify.fraction > fraction)
         run.callbacks.warn(fmt::format(
