@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 92114},
+    {"lib", 92111},
     {"lib/python", 2062},
     {"lib/vdbpack/core", 2496},
     {"lib/vdbpack/io", 2961},
@@ -42,7 +42,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3533},
-    {"lib/vdbpack/run", 6831},
+    {"lib/vdbpack/run", 6828},
     {"tools", 3841},
     {"tests", 34714},
 };

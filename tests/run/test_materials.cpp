@@ -136,9 +136,9 @@ TEST_CASE("settings of a domain are refused where there is none") {
     const TemporaryFolder folder;
     runPack(recipeFor("ball:5", "uniform:0.5,1", folder.file("p.csv")));
     auto convert = onPack<ConvertRecipe>(folder.file("p.csv"), {}, folder.file("q.csv"));
-    convert.domain.label = "3";
-    CHECK_THROWS_WITH(runConvert(convert), Contains("`label` applies to the domain"));
-    convert.domain.label.clear();
+    convert.domain.repair = true;
+    CHECK_THROWS_WITH(runConvert(convert), Contains("`repair` applies to the domain"));
+    convert.domain.repair = false;
     convert.domain.pose.translate = Vec<3>{100, 0, 0};
     CHECK_THROWS_WITH(runConvert(convert), Contains("`translate`"));
 }

@@ -183,9 +183,6 @@ void requireDomain(const InputPack& recipe) {
                       : !d.clips.empty()                    ? "`clips`"
                       : d.periodic != std::array<bool, 3>{} ? "`periodic`"
                       : d.pose.any()                        ? "`translate` (or another move)"
-                      : !d.label.empty()                    ? "`label`"
-                      : !d.mask.empty()                     ? "`mask`"
-                      : d.threshold                         ? "`threshold`"
                       : d.repair                            ? "`repair`"
                                                             : nullptr;
     if (set)
