@@ -77,8 +77,8 @@ double solidLikeOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks,
 template <int Dim>
 void takeColumns(std::vector<Column> columns, std::size_t before, Pack<Dim>& pack) {
     const std::size_t all = pack.spheres.size();
-    const CellLevels<Dim> present(
-        {pack.spheres.begin(), pack.spheres.begin() + static_cast<std::ptrdiff_t>(before)});
+    const auto sought = static_cast<std::ptrdiff_t>(before < all ? before : 0);
+    const CellLevels<Dim> present({pack.spheres.begin(), pack.spheres.begin() + sought});
     for (Column& column : columns) {
         if (!column.numbers.empty()) column.numbers.resize(all);
         if (!column.texts.empty()) column.texts.resize(all);
