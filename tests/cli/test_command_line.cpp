@@ -89,7 +89,7 @@ TEST_CASE("every kind of failure has its exit code") {
     CHECK(vdbPack("pack ball:8 --unit parsec").code == 2);
     CHECK(vdbPack("pack ball:8 --radius ''").code == 2);
     CHECK_THAT(vdbPack("pack ball:8 --order bogus").text,
-               Contains("sweep, waves, wall, centre, center, fifo"));
+               Contains("waves, sweep, wall, centre, center, fifo"));
     CHECK_THAT(vdbPack("pack ball:8 --unit inch").text, Contains("m, cm, mm, um"));
     CHECK(vdbPack("pack ball:8 --gap abc").text.size() < 200);
     CHECK(vdbPack("pack ball:1 --radius uniform:4,5 --json").code == 3);

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 92111},
+    {"lib", 92191},
     {"lib/python", 2062},
     {"lib/vdbpack/core", 2496},
     {"lib/vdbpack/io", 2961},
@@ -31,7 +31,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2835},
     {"lib/vdbpack/domain", 6981},
-    {"lib/vdbpack/pack", 7817},
+    {"lib/vdbpack/pack", 7895},
     {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5539},
@@ -41,10 +41,10 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/preview", 3426},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3533},
+    {"lib/vdbpack/options", 3535},
     {"lib/vdbpack/run", 6828},
     {"tools", 3841},
-    {"tests", 34714},
+    {"tests", 34727},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

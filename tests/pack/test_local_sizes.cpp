@@ -109,7 +109,7 @@ DIM_TEST_CASE("radii follow a field, and the field alone") {
     REQUIRE(radii.size() > 500);
     CHECK(radii.front() >= 1 - kMet);
     CHECK(radii.back() <= 2 * (1 + kMet));
-    // 64 radii stay pending.
+    // Some 32 radii stay pending.
     CHECK(ksOf(radii, options.sizes) < 0.02 + 32.0 / static_cast<double>(radii.size()));
     CHECK(checkOverlap(pack).max == 0);
     const auto inside = domain->sampler();

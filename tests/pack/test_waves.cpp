@@ -1,4 +1,4 @@
-// A wavy front leaves contacts that gather around no direction.
+// The front of a pack by default, with waves: its contacts gather around no direction.
 #include "support/cube.h"
 #include "support/test.h"
 
@@ -8,12 +8,15 @@
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/verify/verify.h"
 
+#include <optional>
+
 namespace {
 
 template <int Dim>
-std::vector<Sphere<Dim>> packed(const Domain<Dim>& domain, Order order, std::uint64_t seed = 1) {
+std::vector<Sphere<Dim>> packed(const Domain<Dim>& domain, std::uint64_t seed = 1,
+                                std::optional<Order> order = {}) {
     PackOptions options(SizeDistribution::parse("uniform:1,2", Dim));
-    options.order = order;
+    if (order) options.order = *order;
     options.seed = seed;
     options.threads = 2;
     return packSpheres(domain, options).pack.spheres;
@@ -38,16 +41,16 @@ double largestShare(const std::vector<Sphere<Dim>>& spheres) {
 
 }  // namespace
 
-DIM_TEST_CASE("contacts of a wavy front gather around no direction") {
+DIM_TEST_CASE("contacts of a default pack gather around no direction") {
     constexpr double kIsotropic = 1.0 / Dim;
     const double side = Dim == 3 ? 64 : 300;
     const auto domain = boxDomain<Dim>(cube<Dim>(side));
-    const auto level = packed<Dim>(*domain, Order::sweep);
+    const auto level = packed<Dim>(*domain, 1, Order::sweep);
     CHECK(largestShare<Dim>(level) > kIsotropic + 0.07);
     CHECK(countContacts(level, 1e-3).modulusRatio > 1.5);
     std::vector<std::vector<Sphere<Dim>>> packs;
     for (const std::uint64_t seed : {1, 2}) {
-        packs.push_back(packed<Dim>(*domain, Order::waves, seed));
+        packs.push_back(packed<Dim>(*domain, seed));
         CHECK(largestShare<Dim>(packs.back()) < kIsotropic + (Dim == 3 ? 0.012 : 0.03));
         const auto network = countContacts(packs.back(), 1e-3);
         CHECK(network.meanOfSpheres > (Dim == 3 ? 5.6 : 3.9));
@@ -60,10 +63,18 @@ DIM_TEST_CASE("contacts of a wavy front gather around no direction") {
 
 DIM_TEST_CASE("waves move with the domain") {
     Box<Dim> box = cube<Dim>(40);
-    const auto here = packed<Dim>(*boxDomain<Dim>(box), Order::waves);
+    const auto here = packed<Dim>(*boxDomain<Dim>(box));
     const auto by = Box<Dim>::filled(1024);
     box.lo += by, box.hi += by;
-    auto there = packed<Dim>(*boxDomain<Dim>(box), Order::waves);
+    auto there = packed<Dim>(*boxDomain<Dim>(box));
     for (Sphere<Dim>& s : there) s.center -= by;
     CHECK(here == there);
+}
+
+TEST_CASE("nearly equal spheres are swept without waves") {
+    const auto domain = ballDomain<3>(12);
+    PackOptions options(SizeDistribution::parse("uniform:0.9,1.1", 3));
+    const auto usual = packSpheres(*domain, options).pack.spheres;
+    options.order = Order::sweep;
+    CHECK(packSpheres(*domain, options).pack.spheres == usual);
 }

@@ -25,7 +25,7 @@ std::pair<std::string, Value> named(Value value) {
 
 const Names<WeightBy> kWeights{{"count", WeightBy::count}, {"volume", WeightBy::volume}};
 const Names<Effort> kEfforts{named(Effort::fast), named(Effort::normal), named(Effort::dense)};
-const Names<Order> kOrders{named(Order::sweep),  named(Order::waves),       named(Order::wall),
+const Names<Order> kOrders{named(Order::waves),  named(Order::sweep),       named(Order::wall),
                            named(Order::center), {"center", Order::center}, named(Order::fifo)};
 
 const Names<bool> kOnOff{{"on", true}, {"off", false}};
@@ -97,12 +97,14 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
     rows.choice("effort", "fast|normal|dense [normal]", recipe.packing.effort, kEfforts,
                 "fast: positions in the order of the sweep; normal: first those where the sphere "
                 "touches an additional sphere or wall (equal ones: many); dense: the same with "
-                "more pending radii to choose from (equal spheres: in larger blocks)");
-    rows.choice("order", "sweep|waves|wall|centre|fifo [sweep]", recipe.packing.order, kOrders,
-                "position that is filled next. sweep: the lowest along a diagonal; waves: the same "
-                "with waves across it, so that contacts gather around no direction, for some "
-                "solid fraction; wall: nearest to the wall; centre: nearest to the middle; fifo: "
-                "the first found. The last three run on one thread, for comparison");
+                "more pending radii to choose from, in larger blocks");
+    rows.choice(
+        "order", "waves|sweep|wall|centre|fifo [waves]", recipe.packing.order, kOrders,
+        "position that is filled next. waves: the lowest along a diagonal with waves across "
+        "it, so that contacts gather around no direction; sweep: without waves (nearly "
+        "equal spheres always): some denser, contacts gather around the diagonal; wall: "
+        "nearest to the wall; centre: nearest to the middle; fifo: the first found. The "
+        "last three run on one thread, for comparison");
     rows.length("block-side", "MM", recipe.packing.blockSide, Range::positive,
                 "edge of the blocks of which each is filled by one thread, at least 8 largest "
                 "radii. Shorter ones than the usual 20 keep more than some 500 cores busy, and "

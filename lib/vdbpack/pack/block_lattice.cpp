@@ -76,9 +76,6 @@ void BlockLattice<Dim>::orderBlocks() {
     for (const std::uint32_t start : starts)  // both by rising rank
         if (next < ends.size() && ranks[ends[next]] < ranks[start])
             donors_[start].push_back(ends[next++]);
-    endsPool_.assign(order_.size(), true);
-    for (const auto& donors : donors_)
-        for (const std::uint32_t donor : donors) endsPool_[donor] = false;
 }
 
 template <int Dim>

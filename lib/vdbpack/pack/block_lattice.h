@@ -62,8 +62,6 @@ public:
     /// Blocks whose pending radii `b` receives: the one before it in its row, or at the start of
     /// a row the ends of rows that finished earlier.
     const std::vector<std::uint32_t>& poolDonors(std::uint32_t b) const { return donors_[b]; }
-    /// Whether the radii pending after `b` go to no other block.
-    bool endsPool(std::uint32_t b) const { return endsPool_[b]; }
     /// Which of `ranks` fills block `b`. A row stays on one of them, and neighboring rows go to
     /// different ones in turn (as columns of cells in transport sweeps: Koch, Baker, Alcouffe
     /// 1992).
@@ -94,7 +92,6 @@ private:
     std::vector<std::uint32_t> order_;
     std::vector<std::uint32_t> place_;  // of each block in the order
     std::vector<std::vector<std::uint32_t>> donors_;
-    std::vector<bool> endsPool_;
 };
 
 }  // namespace vdbpack

@@ -1,6 +1,7 @@
 // Private to pack: the blocks of a domain, and what each of them builds on.
 #pragma once
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/pack/block_lattice.h"
 #include "vdbpack/pack/exposed.h"
 #include "vdbpack/pack/front/block_front.h"
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -45,15 +47,8 @@ public:
         for (const Species& species : options.species)
             hasSpecies_ = hasSpecies_ || species.probability > 0;
         expected_ = 0.6 * domain.volume() / settings.meanBall;
-        if (!options.local.any()) return;
-        const LocalBalls<Dim> balls(outer, options.sizes, options.local);
-        expected_ = 0.6 * domain.volume() / balls.mean(1, shellOf(options));
-        if (groups_.size() > 1)
-            for (std::uint32_t g = 0; g < groups_.size(); ++g)
-                expectedOf_.push_back(0.6 * domain.volume() * balls.groupShare(g));
-        LocalLengths<Dim> local = localLengths();
-        lengths_.reserve(lattice.size());
-        for (std::uint32_t b = 0; b < lattice.size(); ++b) lengths_.push_back(local.over(boxOf(b)));
+        if (options.local.any()) addLocal(domain);
+        countAhead(domain);
     }
 
     const FrontSettings<Dim> settings;
@@ -93,7 +88,7 @@ public:
         if (!block.further && hasSpecies_)
             block.further = std::make_unique<SpeciesQueue>(options_.species, options_.seed, b,
                                                            shellOf(options_));
-        const std::size_t pending = poolCapacity(options_, lattice.endsPool(b));
+        const std::size_t pending = poolCapacity(options_, ahead_[b], expected_);
         for (std::size_t g = 0; g < block.pools.size(); ++g)
             block.pools[g].setCapacity(
                 expectedOf_.empty() || options_.pending > 0
@@ -179,6 +174,45 @@ private:
         return lengths_.empty() ? settings.maxRadius : lengths_[b].maxRadius;
     }
 
+    /// What differs where sizes differ by place.
+    void addLocal(const Domain<Dim>& domain) {
+        const LocalBalls<Dim> balls(outer_, options_.sizes, options_.local);
+        expected_ = 0.6 * domain.volume() / balls.mean(1, shellOf(options_));
+        if (groups_.size() > 1)
+            for (std::uint32_t g = 0; g < groups_.size(); ++g)
+                expectedOf_.push_back(0.6 * domain.volume() * balls.groupShare(g));
+        LocalLengths<Dim> local = localLengths();
+        lengths_.reserve(lattice.size());
+        for (std::uint32_t b = 0; b < lattice.size(); ++b) lengths_.push_back(local.over(boxOf(b)));
+    }
+
+    /// About how many spheres are yet to be placed while each block is filled, there and in the
+    /// blocks that get the pool afterwards, by the points of a grid that lie in the domain.
+    void countAhead(const Domain<Dim>& domain) {
+        constexpr int kAcross = 4;
+        constexpr int kPoints = Dim == 3 ? kAcross * kAcross * kAcross : kAcross * kAcross;
+        ahead_.assign(lattice.size(), 0);
+        parallelFor(IndexRange(0, lattice.size(), 64), [&](const IndexRange& range) {
+            const auto sampler = domain.sampler();
+            for (std::size_t b = range.begin(); b != range.end(); ++b) {
+                const Box<Dim> own = lattice.own(static_cast<std::uint32_t>(b));
+                for (int k = 0; k < kPoints; ++k) {
+                    Vec<Dim> x = own.lo;
+                    for (int d = 0, rest = k; d < Dim; ++d, rest /= kAcross)
+                        x[d] += own.size()[d] * (rest % kAcross + 0.5) / kAcross;
+                    ahead_[b] += sampler->signedDistance(x) < 0 ? 1 : 0;
+                }
+            }
+        });
+        const double inside = std::accumulate(ahead_.begin(), ahead_.end(), 0.0);
+        for (double& count : ahead_) count *= expected_ / std::max(1.0, inside);
+        const std::vector<double> here = ahead_;
+        for (auto b = lattice.order().rbegin(); b != lattice.order().rend(); ++b) {
+            for (const std::uint32_t donor : lattice.poolDonors(*b)) ahead_[donor] += ahead_[*b];
+            ahead_[*b] -= here[*b] / 2;  // half of its own, on average
+        }
+    }
+
     /// Gives existing spheres to the blocks in whose reach they are.
     void addExisting(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& existing) {
         const auto sampler = domain.sampler();
@@ -232,6 +266,7 @@ private:
     std::vector<FrontLengths> lengths_;  // of each block, where sizes differ by place
     std::vector<Block<Dim>> blocks_;
     double expected_ = 1;
+    std::vector<double> ahead_;       ///< of each block; see countAhead
     std::vector<double> expectedOf_;  // spheres of each of several groups of sizes
     bool hasSpecies_ = false;         ///< that are ever drawn
 };

@@ -25,9 +25,21 @@ constexpr double kWallLead = 1;
 /// 0.6419, 0.639 and 1.531 at 1.
 constexpr double kSeamLead = 0.6;
 /// SweepWaves::length in mean radii. Box 120, radii 1 to 2, solid fraction in all / of the
-/// interior: 0.629 / 0.641 at 20, 0.630 / 0.642 at 28, 0.630 / 0.643 at 40. Short ones fit into
-/// small bones.
-constexpr double kWaveLength = 28;
+/// interior: 0.629 / 0.641 at 20, 0.631 / 0.643 at 28, 0.632 / 0.645 at 40. Hip, estimated moduli,
+/// largest / smallest: 1.03 at 28, 1.04 at 36, 1.06 at 40, 1.07 at 56.
+constexpr double kWaveLength = 36;
+/// The most of it, in longest edges of the domain: of longer waves the pack shows a part.
+constexpr double kMostOfDomain = 0.75;
+/// Radii pending in a row of blocks: one for so many spheres yet to place there, and for so many of
+/// the pack, within bounds. Those pending at its end are never placed. Box 120, radii 1 to 2, and
+/// hip of 62,000 spheres, solid fraction and Kolmogorov-Smirnov distance of the radii: 0.631,
+/// 0.0007 and 0.615, 0.0025 with 64 in all rows; 0.632, 0.0006 and 0.615, 0.0014 so; with 256 in
+/// all, 0.632, 0.0008 and 0.617, 0.0063.
+constexpr double kLeastPending = 32, kMostPending = 192, kSpheresPerPending = 20,
+                 kSpheresOfPack = 80;
+/// The least in packs of fewer spheres than that, most of which lie in blocks at the end of a row.
+/// Cell of 41 mm, radii 1 to 2, 2,800 spheres: 0.632 and 0.0065 with 64; 0.627 and 0.006 with 32.
+constexpr double kSmallPack = 6000, kLeastOfSmall = 64;
 /// Least radius for which sites are sought, in mean radii.
 constexpr double kProbe = 0.62;
 
@@ -60,24 +72,23 @@ constexpr double kCrowdLead = 2, kNearGap = 1;
 /// Their reach, in mean radii: at 2, spheres near a site are missed that are far from its pivot.
 /// Vertebra, radius 0.72, interior: 0.607 at 2, 0.609 from 2.3 on.
 constexpr double kCrowdReach = 2.4;
-/// Edge of a block of nearly equal spheres at Effort::dense, in blocks of the other efforts: no
-/// other setting makes them denser.
-constexpr double kDenseBlock = 3;
+/// Edge of a block at Effort::dense, in blocks of the other efforts; of nearly equal spheres, which
+/// no other setting makes denser, and of others. And pending radii, in those of the other efforts.
+constexpr double kDenseCrowd = 3, kDenseBlock = 1.5, kDensePending = 2;
 
 /// Edge of a block in largest common radii. Shorter ones cost density (box 120, radii 1 to 2: total
 /// 0.614 as one block, 0.613 at 20, 0.610 at 14), longer ones leave threads without work.
 template <int Dim>
 constexpr double kBlockSide = Dim == 3 ? 20 : 60;
-/// Where sizes differ by place, the edge is that for the coarsest ones, or for this many times the
-/// finest: blocks of fine spheres hold many.
+/// Where sizes differ by place, edge and waves are those for the coarsest ones, or for this many
+/// times the finest: blocks of fine spheres hold many.
 constexpr double kCoarseBlocks = 3;
 
 /// Between the streams of random numbers of two groups of sizes: more than there are blocks.
 constexpr std::uint64_t kGroupStreams = std::uint64_t{1} << 40;
 
-template <int Dim>
 bool areNearlyEqual(const FrontLengths& settings) {
-    return Dim == 3 && settings.commonRadius <= kNearlyEqual * settings.minRadius;
+    return settings.commonRadius <= kNearlyEqual * settings.minRadius;
 }
 
 template <int Dim>
@@ -105,7 +116,7 @@ FrontLengths lengthsFor(const SizeDistribution& sizes, const PackOptions& option
         s.wallLead = kWallLead * s.commonRadius;
         s.seamLead = kSeamLead * s.commonRadius;
     }
-    if (areNearlyEqual<Dim>(s) && !fast && sweeps(options.order)) {
+    if (Dim == 3 && areNearlyEqual(s) && !fast && sweeps(options.order)) {
         s.crowdLead = kCrowdLead * s.meanRadius;
         s.nearGap = kNearGap * s.meanRadius;
         s.reach = std::max(s.reach, kCrowdReach * s.meanRadius);
@@ -151,6 +162,19 @@ std::vector<FrontLengths> frontLengths(const PackOptions& options) {
     return groups;
 }
 
+/// The largest of a length anywhere, within `kCoarseBlocks`.
+/// @param finest  lengths where sizes are finest.
+template <int Dim>
+static double coarsest(const PackOptions& options, const FrontLengths& finest,
+                       double FrontLengths::*length) {
+    double most = finest.*length;
+    if (!options.local.any()) return most;
+    for (const FrontLengths& group : frontLengths<Dim>(options))
+        most = std::max(most,
+                        group.scaled(options.local.factors().most, shellOf(options), Dim).*length);
+    return std::min(most, kCoarseBlocks * finest.*length);
+}
+
 template <int Dim>
 FrontSettings<Dim> frontSettings(const Domain<Dim>& domain, const PackOptions& options) {
     const double shell = shellOf(options);
@@ -166,8 +190,11 @@ FrontSettings<Dim> frontSettings(const Domain<Dim>& domain, const PackOptions& o
     s.order = options.order;
     s.evenSizes = options.evenSizes;
     s.sweep = Box<Dim>::filled(1 / std::sqrt(static_cast<double>(Dim)));
-    if (options.order == Order::waves) {
-        s.waves.length = kWaveLength * s.meanRadius;
+    if (options.order == Order::waves && !areNearlyEqual(s)) {
+        const Vec<Dim> size = domain.bounds().size();
+        s.waves.length =
+            std::min(kWaveLength * coarsest<Dim>(options, s, &FrontLengths::meanRadius),
+                     kMostOfDomain * *std::max_element(size.c.begin(), size.c.end()));
         // Others for each seed.
         RandomStream random(options.seed ^ 0x7761766573ull, 0);
         for (int d = 0; d < Dim; ++d)
@@ -190,24 +217,21 @@ double blockSide(const Domain<Dim>& domain, const PackOptions& options,
         const Vec<Dim> size = domain.bounds().size();
         return 2 * *std::max_element(size.c.begin(), size.c.end());
     }
-    double common = settings.commonRadius;
-    if (options.local.any()) {
-        for (const FrontLengths& group : frontLengths<Dim>(options))
-            common = std::max(
-                common,
-                group.scaled(options.local.factors().most, shellOf(options), Dim).commonRadius);
-        common = std::min(common, kCoarseBlocks * settings.commonRadius);
-    }
-    const double wide =
-        areNearlyEqual<Dim>(settings) && options.effort == Effort::dense ? kDenseBlock : 1;
+    const double common = coarsest<Dim>(options, settings, &FrontLengths::commonRadius);
+    const double wide = options.effort != Effort::dense        ? 1
+                        : Dim == 3 && areNearlyEqual(settings) ? kDenseCrowd
+                                                               : kDenseBlock;
     return std::max(8 * settings.maxRadius,
                     options.blockSide > 0 ? options.blockSide : wide * kBlockSide<Dim> * common);
 }
 
-std::size_t poolCapacity(const PackOptions& options, bool last) {
+std::size_t poolCapacity(const PackOptions& options, double ahead, double expected) {
     if (options.pending > 0) return options.pending;
-    // More raise the solid fraction a little, but those of the last blocks are never placed.
-    return options.effort != Effort::dense ? 64 : last ? 128 : 256;
+    const double more = options.effort == Effort::dense ? kDensePending : 1;
+    const double least = expected < kSmallPack ? kLeastOfSmall : kLeastPending;
+    return static_cast<std::size_t>(
+        std::clamp(std::min(ahead / kSpheresPerPending, expected / kSpheresOfPack), least,
+                   more * kMostPending));
 }
 
 std::size_t pendingOfGroup(std::size_t usual, double expected) {
@@ -220,7 +244,7 @@ std::vector<RadiusPool> radiusPools(const PackOptions& options, std::uint32_t st
     std::vector<RadiusPool> pools;
     for (std::size_t g = 0; g < options.local.groups(); ++g)
         pools.emplace_back(options.local.sizesOf(g, options.sizes), options.seed,
-                           g * kGroupStreams + stream, poolCapacity(options, false), shell);
+                           g * kGroupStreams + stream, poolCapacity(options, 0, 0), shell);
     return pools;
 }
 

@@ -40,8 +40,9 @@ double blockSide(const Domain<Dim>& domain, const PackOptions& options,
                  const FrontSettings<Dim>& settings);
 
 /// Pending radii that a row of blocks holds.
-/// @param last  of a block whose pool goes to no other.
-std::size_t poolCapacity(const PackOptions& options, bool last);
+/// @param ahead     spheres that are yet to be placed from this pool, about.
+/// @param expected  spheres of the pack, about.
+std::size_t poolCapacity(const PackOptions& options, double ahead, double expected);
 
 /// A pool for each group of sizes: of radii with the shell, unless they differ by place.
 /// @param stream  of random numbers.

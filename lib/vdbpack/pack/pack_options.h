@@ -18,18 +18,19 @@ class SizeField;
 
 /// How much time goes into the solid fraction. fast takes sites as they come along the sweep;
 /// normal takes those first where a further body stops a sphere from growing; dense does the same
-/// with more pending radii.
+/// with more pending radii, in larger blocks.
 enum class Effort { fast, normal, dense };
 
 constexpr const char* nameOf(Effort effort) {
     return effort == Effort::fast ? "fast" : effort == Effort::normal ? "normal" : "dense";
 }
 
-/// sweep: along a diagonal of the axes, in blocks and on all threads. waves: the same with waves
-/// across the diagonal (`SweepWaves`), so that contacts gather around no direction. The others are
-/// those of the literature, for comparison, and run as one block on one thread: from the wall
-/// inwards, from the middle outwards, and first in, first out from the middle.
-enum class Order { sweep, waves, wall, center, fifo };
+/// waves: along a diagonal of the axes, with waves across it (`SweepWaves`), so that contacts
+/// gather around no direction; in blocks and on all threads. sweep: the same without waves:
+/// contacts gather around the diagonal. Nearly equal spheres are always swept without waves. The
+/// others are those of the literature, for comparison, and run as one block on one thread: from the
+/// wall inwards, from the middle outwards, and first in, first out from the middle.
+enum class Order { waves, sweep, wall, center, fifo };
 
 /// Whether a front of that order moves along the diagonal, in blocks.
 constexpr bool sweeps(Order order) {
@@ -91,8 +92,7 @@ struct PackOptions {
     /// Threads that work at a time; 0: all cores. The pack is the same for any number.
     int threads = 0;
     Effort effort = Effort::normal;
-    /// Order in which sites are taken. All but `sweep` run as one block on one thread.
-    Order order = Order::sweep;
+    Order order = Order::waves;  ///< in which sites are taken
     /// Whether sizes next to walls, and where the pack begins, are those requested. Otherwise they
     /// are larger where the front starts and smaller where it ends, and the front takes 5 % less
     /// time.
@@ -103,8 +103,8 @@ struct PackOptions {
     /// same: for a pack of about so many spheres scale the radii by `scaleForCount`.
     std::int64_t maxCount = 0;
     /// Radii drawn and not yet placed, from which a site takes the largest that fits; 0: from the
-    /// effort, 64 or more. More give larger spheres to the first sites and leave as many radii
-    /// unplaced at the end: packs of few spheres need few.
+    /// domain and effort, 32 to 384. More give larger spheres to the first sites and leave as many
+    /// radii unplaced at the end: packs of few spheres need few.
     std::size_t pending = 0;
     /// Edge of a block (each is filled by one thread), mm; 0: from radii, domain and order. Smaller
     /// blocks occupy more threads and cost some solid fraction; no smaller than 8 largest radii.

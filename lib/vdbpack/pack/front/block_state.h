@@ -43,6 +43,11 @@ struct BlockState {
     LocalSize sizeAt(const Vec<Dim>& x) const {
         return local ? local->at(x + origin) : LocalSize{};
     }
+    /// Unit direction in which a swept front advances at a point.
+    Vec<Dim> advance(const Vec<Dim>& x) const {
+        if (settings.waves.length == 0) return settings.sweep;
+        return normalized(settings.waves.direction(x + origin, settings.sweep));
+    }
     FrontLengths lengthsOf(const LocalSize& size) const {
         if (local) return local->of(size);
         return settings;

@@ -60,7 +60,7 @@ struct FrontLengths {
 /// coarsest sizes; lengths of single spheres are `LocalLengths`.
 template <int Dim>
 struct FrontSettings : FrontLengths {
-    Order order = Order::sweep;
+    Order order = Order::waves;
     bool evenSizes = true;  ///< PackOptions::evenSizes
     /// Unit direction in which the front sweeps: low values are filled first.
     Vec<Dim> sweep;

@@ -229,10 +229,10 @@ double FrontSites<Dim>::meetingLead(std::uint32_t index) const {
     const PivotRadii& radii = radiiOf(sites_[index].pivot);
     bool meets = isBeyond(sites_[index].pivot);
     for (const std::uint32_t body : sites_[index].bodies) {
-        if (body == kNoBody) continue;
         if (body < kWallBody)
             meets = meets || isBeyond(body);
-        else if (dot(walls_[body - kWallBody].normal, block_.settings.sweep) < 0)
+        else if (body != kNoBody &&
+                 dot(walls_[body - kWallBody].normal, block_.advance(center(index))) < 0)
             return radii.wallLead;
     }
     return meets ? radii.seamLead : 0;

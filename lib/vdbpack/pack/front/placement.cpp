@@ -202,7 +202,7 @@ bool Placement<Dim>::setDown(std::uint32_t site, double radius, double depth, do
     const double room = radius + (depth > 0 ? depth + settings.quantum : 0);
     Vec<Dim> x = front_.sites.center(site);
     const LocalSize size = block.sizeAt(x);
-    const Vec<Dim> ahead = sweeps(settings.order) ? settings.sweep : normalized(x - pivot);
+    const Vec<Dim> ahead = sweeps(settings.order) ? block.advance(x) : normalized(x - pivot);
     x += ahead * (radius - limit);
     Vec<Dim> resting;
     if (radius <= limit && front_.sites.restingCenter(site, radius, resting)) x = resting;
