@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 92191},
+    {"lib", 92195},
     {"lib/python", 2062},
     {"lib/vdbpack/core", 2496},
     {"lib/vdbpack/io", 2961},
@@ -31,7 +31,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2835},
     {"lib/vdbpack/domain", 6981},
-    {"lib/vdbpack/pack", 7895},
+    {"lib/vdbpack/pack", 7899},
     {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5539},

@@ -96,7 +96,7 @@ DIM_TEST_CASE("thinning takes the share D of the spheres below the shell") {
         CHECK(core > 500);
         CHECK(gone == static_cast<double>(before.spheres.size() - after.spheres.size()));
         // The front places small ones more often than they are drawn: not quite uniform.
-        const double slack = method == std::string("threshold") ? 0.03 : 0.1;
+        const double slack = method == std::string("threshold") ? 0.04 : 0.1;
         CHECK(gone / core == Approx(0.3).margin(slack));
     }
 }
@@ -170,7 +170,7 @@ TEST_CASE("a target is met, or it is said what can be", "[long]") {
     };
     const std::vector<Case> cases{{"boolean", {0.15, 0.3}, 0},     {"overlay", {0.6, 0.75}, 0.15},
                                   {"grid", {0.6, 0.75}, 0.3},      {"concentric", {0.15, 0.3}, 0},
-                                  {"threshold", {0.15, 0.3}, 0},   {"mixed", {0.75, 0.85}, 0.15},
+                                  {"threshold", {0.15, 0.3}, 0},   {"mixed", {0.8, 0.85}, 0.15},
                                   {"ellipses", {0.6, 0.75}, 0.15}, {"foam", {0.15, 0.5}, 0}};
     for (const Case& c : cases) {
         auto recipe = methodRecipe<3>(c.method);

@@ -190,7 +190,10 @@ FrontSettings<Dim> frontSettings(const Domain<Dim>& domain, const PackOptions& o
     s.order = options.order;
     s.evenSizes = options.evenSizes;
     s.sweep = Box<Dim>::filled(1 / std::sqrt(static_cast<double>(Dim)));
-    if (options.order == Order::waves && !areNearlyEqual(s)) {
+    // Waves leave less room for the large spheres of further species.
+    const bool alone = std::none_of(options.species.begin(), options.species.end(),
+                                    [](const Species& other) { return other.probability > 0; });
+    if (options.order == Order::waves && alone && !areNearlyEqual(s)) {
         const Vec<Dim> size = domain.bounds().size();
         s.waves.length =
             std::min(kWaveLength * coarsest<Dim>(options, s, &FrontLengths::meanRadius),

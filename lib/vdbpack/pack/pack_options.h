@@ -27,9 +27,10 @@ constexpr const char* nameOf(Effort effort) {
 
 /// waves: along a diagonal of the axes, with waves across it (`SweepWaves`), so that contacts
 /// gather around no direction; in blocks and on all threads. sweep: the same without waves:
-/// contacts gather around the diagonal. Nearly equal spheres are always swept without waves. The
-/// others are those of the literature, for comparison, and run as one block on one thread: from the
-/// wall inwards, from the middle outwards, and first in, first out from the middle.
+/// contacts gather around the diagonal. Nearly equal spheres, and further species, are always swept
+/// without waves. The others are those of the literature, for comparison, and run as one block on
+/// one thread: from the wall inwards, from the middle outwards, and first in, first out from the
+/// middle.
 enum class Order { waves, sweep, wall, center, fifo };
 
 /// Whether a front of that order moves along the diagonal, in blocks.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -11,7 +12,9 @@ namespace vdbpack {
 
 namespace {
 
-constexpr int kMaxRounds = 16;
+constexpr int kMaxRounds = 20;
+/// Between the amounts tried where few voids make BV/TV leap, in amounts.
+constexpr double kApart = 0.03;
 
 [[noreturn]] void outOfReach(const VoidRecipe& r, const char* bound, double bvtv,
                              const std::string& remedy) {
@@ -29,6 +32,7 @@ double solveForBvtv(const VoidRecipe& r, double lo, double guess, double hi, dou
     double low = lo, high = hi, atLow = std::numeric_limits<double>::quiet_NaN(), atHigh = atLow;
     double best = guess, off = std::numeric_limits<double>::infinity(), last = guess;
     double x = guess;
+    int apart = 0;
     for (int round = 0; round < kMaxRounds; ++round) {
         const double f = bvtvAt(x);
         last = x;
@@ -58,8 +62,14 @@ double solveForBvtv(const VoidRecipe& r, double lo, double guess, double hi, dou
         if (round > 5 && std::isfinite(next)) next = round % 2 == 0 ? 0.5 * (low + high) : next;
         if (!(next > low)) next = atLow == atLow ? low + margin : lo;
         if (!(next < high)) next = atHigh == atHigh ? high - margin : hi;
+        // A bracket that ought to hold less than the tolerance: BV/TV leaps, void by void.
+        const double steep = steepness > 0 ? steepness : -std::log(target) / best;
+        if (target * steep * (high - low) < tolerance) {
+            ++apart;
+            next = best * (1 + (apart % 2 == 0 ? kApart : -kApart) * apart);
+            next = std::clamp(next, (lo + best) / 2, (hi + best) / 2);
+        }
         x = next;
-        if (high - low < 1e-9 * hi) break;
     }
     if (last != best) bvtvAt(best);
     return best;

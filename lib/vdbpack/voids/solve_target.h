@@ -12,7 +12,7 @@ namespace vdbpack {
 /// false position on the logarithm of BV/TV, which is nearly linear, within the bracket so far.
 /// @param r          has a target BV/TV.
 /// @param guess      the first amount tried.
-/// @param tolerance  of BV/TV; after 16 tries the best amount is taken.
+/// @param tolerance  of BV/TV; after 20 tries the best amount is taken.
 /// @param remedy     end of the message if the target is not reachable.
 /// @param bvtvAt     BV/TV at an amount; the last call is for the amount that is returned.
 /// @param steepness  about how fast ln BV/TV falls with the amount; 0: as exp(-amount) does.
