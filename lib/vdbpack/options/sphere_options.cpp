@@ -102,9 +102,9 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
         "order", "waves|sweep|wall|centre|fifo [waves]", recipe.packing.order, kOrders,
         "position that is filled next. waves: the lowest along a diagonal with waves across "
         "it, so that contacts gather around no direction; sweep: without waves (nearly "
-        "equal spheres always): some denser, contacts gather around the diagonal; wall: "
-        "nearest to the wall; centre: nearest to the middle; fifo: the first found. The "
-        "last three run on one thread, for comparison");
+        "equal spheres and packs with holes always): some denser, contacts gather around the "
+        "diagonal; wall: nearest to the wall; centre: nearest to the middle; fifo: the first "
+        "found. The last three run on one thread, for comparison");
     rows.length("block-side", "MM", recipe.packing.blockSide, Range::positive,
                 "edge of the blocks of which each is filled by one thread, at least 8 largest "
                 "radii. Shorter ones than the usual 20 keep more than some 500 cores busy, and "
