@@ -6,6 +6,7 @@
 #include "pack_arrays.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/version.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/measure/contacts.h"
@@ -266,7 +267,7 @@ void writeFile(const Shared& data, const std::string& file, const std::string& u
     const py::gil_scoped_release released;
     std::visit(
         [&](const auto& pack) {
-            options.generator = generatorWith("vdb_pack " VDBPACK_VERSION, pack.origin);
+            options.generator = generatorWith(std::string("vdb_pack ") + version(), pack.origin);
             writePack(pack, file, options);
         },
         data->pack);

@@ -44,6 +44,8 @@ TEST_CASE("radii that cannot be are refused") {
 TEST_CASE("counts that cannot be are refused") {
     check({{"pack ball:9 --max-count 0", 2, "--max-count '0'"},
            {"pack ball:9 --max-count -1", 2, "--max-count '-1'"},
+           {"pack ball:9 --target-count 5.000", 2, "--target-count '5.000' 5000"},
+           {"pack ball:9 --max-count 12.345.678", 2, "--max-count '12.345.678'"},
            {"pack ball:9 --max-count 5.5", 2, "--max-count '5.5'"},
            {"pack ball:9 --max-count 99999999999999999999", 2,
             "--max-count '99999999999999999999' 9223372036854775807"},

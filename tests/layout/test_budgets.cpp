@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 92205},
-    {"lib/python", 2062},
-    {"lib/vdbpack/core", 2496},
+    {"lib", 92262},
+    {"lib/python", 2063},
+    {"lib/vdbpack/core", 2505},
     {"lib/vdbpack/io", 2961},
-    {"lib/vdbpack/mesh", 3881},
+    {"lib/vdbpack/mesh", 3883},
     {"lib/vdbpack/verify", 2328},
     {"lib/vdbpack/image", 5703},
     {"lib/vdbpack/field", 5965},
@@ -36,15 +36,15 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5539},
     {"lib/vdbpack/voids", 8071},
-    {"lib/vdbpack/formats", 10176},
-    {"lib/vdbpack/report", 3962},
-    {"lib/vdbpack/preview", 3426},
+    {"lib/vdbpack/formats", 10178},
+    {"lib/vdbpack/report", 3963},
+    {"lib/vdbpack/preview", 3427},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3535},
-    {"lib/vdbpack/run", 6828},
-    {"tools", 3841},
-    {"tests", 34727},
+    {"lib/vdbpack/options", 3547},
+    {"lib/vdbpack/run", 6857},
+    {"tools", 3842},
+    {"tests", 34746},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

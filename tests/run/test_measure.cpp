@@ -254,6 +254,16 @@ std::string cellOf(const std::vector<std::vector<std::string>>& rows, std::size_
 
 }  // namespace
 
+TEST_CASE("a study in which seeds change nothing is warned of") {
+    const auto sameOf = [](const std::string& radius) {
+        Listener listener;
+        runStudy({recipeFor("box:15,15,15", radius)}, {1, 2}, "", listener.callbacks);
+        return listener.heard("the same pack");
+    };
+    CHECK(sameOf("constant:1"));
+    CHECK_FALSE(sameOf("uniform:0.9,1.1"));
+}
+
 TEST_CASE("the table of a study has BV/TV, regions and connectivity") {
     const TemporaryFolder folder;
     PackJob recipe = recipeFor("ball:6", "uniform:0.5,1");

@@ -8,6 +8,7 @@
 #include "cli/terminal.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/version.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/command_line.h"
 #include "vdbpack/options/usage_error.h"
@@ -24,7 +25,7 @@ using namespace vdbpack;
 namespace {
 
 std::string versionText() {
-    std::string text = "vdb_pack " VDBPACK_VERSION "\n";
+    std::string text = std::string("vdb_pack ") + version() + '\n';
     std::string libraries;
     for (const auto& [name, version] : libraryVersions())
         libraries += (libraries.empty() ? "" : ", ") + name + ' ' + version;

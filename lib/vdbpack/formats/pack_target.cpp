@@ -63,6 +63,8 @@ std::optional<PackTarget> knownTarget(const std::string& file) {
 
 /// Why a file is refused. @param written  whether to list formats that are written
 std::string unknownFormat(const std::string& file, bool written) {
+    if (extensionOf(file) == ".toml")
+        return file + ": holds options (`config`) or parts (`parts`) and no spheres; give the pack";
     std::vector<std::string> extensions;
     for (const auto& known : kFormatNames)
         if (known.extension) extensions.push_back(std::string(".") + known.name);

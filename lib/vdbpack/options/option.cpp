@@ -130,6 +130,16 @@ std::uint64_t OptionList::wholeNumber(const std::string& name, const std::string
         value = static_cast<std::uint64_t>(number);
         whole = true;
     }
+    // 5.000 is 5000 to some, 5 to others.
+    if (const std::size_t point = text.find('.');
+        whole && point != std::string::npos && point <= 3 && text.size() > point + 3 &&
+        text.find_first_not_of("0123456789.") == std::string::npos) {
+        std::string digits = text;
+        digits.erase(std::remove(digits.begin(), digits.end(), '.'), digits.end());
+        throw ParameterError(
+            fmt::format("`{}`: '{}' is a whole number with decimals; write {} or {}", name, text,
+                        digits, value));
+    }
     if (whole && value >= least && value <= most) return value;
     throw ParameterError(fmt::format("`{}`: '{}' must be a whole number from {} to {}{}{}", name,
                                      text, least, most, remedy.empty() ? "" : "; ", remedy));

@@ -105,17 +105,18 @@ public:
         return number(name, shown, field, range, std::move(help)).of(OptionKind::length);
     }
     /// A whole number, also as 1e6. @param remedy  for the message about others; may be empty.
+    /// @param field  of an integer type, or a double.
     template <class Whole>
     Option& count(const char* name, const char* shown, Whole& field, std::uint64_t least,
                   std::uint64_t most, std::string help, std::string remedy = {}) {
-        static_assert(std::is_integral_v<Whole>);
         return add(
             name, shown, OptionKind::count, std::move(help),
             [&field, least, most, name, remedy = std::move(remedy)](const std::string& text) {
                 field = static_cast<Whole>(wholeNumber(name, text, least, most, remedy));
             },
             [&field, initial = field] {
-                return field == initial ? std::string() : std::to_string(field);
+                return field == initial ? std::string()
+                                        : std::to_string(static_cast<std::uint64_t>(field));
             });
     }
     /// A threshold of grey values.

@@ -89,11 +89,12 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
     sizesOption(rows, "shell-radius", recipe.shellRadius,
                 "radii of the spheres with centers in the shell (`shell`), like `radius`, which is "
                 "then that of the others");
-    rows.number("target-count", "N", recipe.targetCount, Range::positive,
-                "scale the radii so that about N spheres are written: those that voids leave, with "
-                "those that `densify` adds, without those of `existing`");
-    rows.count("max-count", "N", recipe.packing.maxCount, 1,
-               std::numeric_limits<std::int64_t>::max(), "stop when N spheres are placed");
+    constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+    rows.count("target-count", "N", recipe.targetCount, 1, kMost,
+               "scale the radii so that about N spheres are written: those that voids leave, with "
+               "those that `densify` adds, without those of `existing`");
+    rows.count("max-count", "N", recipe.packing.maxCount, 1, kMost,
+               "stop when N spheres are placed");
     rows.choice("effort", "fast|normal|dense [normal]", recipe.packing.effort, kEfforts,
                 "fast: positions in the order of the sweep; normal: first those where the sphere "
                 "touches an additional sphere or wall (equal ones: many); dense: the same with "

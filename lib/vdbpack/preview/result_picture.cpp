@@ -1,6 +1,7 @@
 #include "vdbpack/preview/result_picture.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/version.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/io/output_file.h"
@@ -62,7 +63,7 @@ PagePicture finished(Picture image, const PreviewOptions& recipe, const std::str
     PagePicture picture;
     for (const auto& [keyword, text] : image.texts)
         picture.words += (picture.words.empty() ? "" : ", ") + text;
-    image.texts.emplace_back("Software", "vdb_pack " VDBPACK_VERSION);
+    image.texts.emplace_back("Software", std::string("vdb_pack ") + version());
     image.texts.emplace_back("Source", source);
     picture.png = encodePng(image);
     picture.width = image.width;

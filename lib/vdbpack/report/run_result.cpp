@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/core/version.h"
 #include "vdbpack/report/axes_report.h"
 #include "vdbpack/report/found_value.h"
 
@@ -116,7 +117,7 @@ std::string summary(const MeasureResult& result) {
 }
 
 nlohmann::ordered_json toJson(const ConvertResult& result) {
-    nlohmann::ordered_json json{{"version", VDBPACK_VERSION}, {"kind", result.kind}};
+    nlohmann::ordered_json json{{"version", version()}, {"kind", result.kind}};
     if (result.count > 0) json["count"] = result.count;
     if (result.hash != 0) json["hash"] = hashText(result.hash);
     if (result.pairs) json["pairs"] = *result.pairs;
@@ -153,7 +154,7 @@ std::string summary(const ConvertResult& result) {
 }
 
 nlohmann::ordered_json toJson(const ViewResult& result) {
-    return {{"version", VDBPACK_VERSION},    {"kind", result.kind}, {"count", result.count},
+    return {{"version", version()},          {"kind", result.kind}, {"count", result.count},
             {"found", toJson(result.found)}, {"file", result.file}, {"bytes", result.bytes},
             {"warnings", result.warnings}};
 }

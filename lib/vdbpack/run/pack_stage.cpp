@@ -279,7 +279,7 @@ RunPtr<Dim> packMeasured(const PackRecipe& recipe, const SourcePtr& source,
         const Report& report = run->report;
         warnOfCount(*run, prepared.requested.targetCount,
                     static_cast<double>(report.count - report.existing));
-        warnOfFewSpheres(*run, options.local.largest(options.sizes));
+        warnOfSizes(*run, options.local.largest(options.sizes));
     }
     return run;
 }

@@ -22,6 +22,10 @@ constexpr double kFilled = 0.4;
 constexpr double kCountTolerance = 0.02;
 /// Solid fraction below which a pack is called empty.
 constexpr double kLeastSolid = 0.1;
+/// Kolmogorov-Smirnov distance of the radii from those requested from which on they are others, and
+/// the fewest spheres that show it.
+constexpr double kOtherRadii = 0.05;
+constexpr std::uint64_t kEnough = 1000;
 
 std::string percent(double share) {
     return fmt::format("{:.3g} %", 100 * share);
@@ -64,15 +68,20 @@ void warnOfLooseSpheres(const Run<Dim>& run) {
 }
 
 template <int Dim>
-void warnOfFewSpheres(const Run<Dim>& run, double largest) {
+void warnOfSizes(const Run<Dim>& run, double largest) {
     const Report& report = run.report;
-    if (report.interrupted || run.cuts() || report.existing > 0 || report.requestedGap > 0 ||
-        !(report.solidFractionTotal.value_or(1) < kLeastSolid))
-        return;
-    run.callbacks.warn(fmt::format(
-        "the {} fill only {} of the domain, since those of up to {:.3g} mm hardly fit. Give a "
-        "smaller largest radius",
-        Measure<Dim>::kSpheres, percent(*report.solidFractionTotal), largest));
+    if (report.interrupted || run.cuts() || report.existing > 0) return;
+    const char* spheres = Measure<Dim>::kSpheres;
+    if (report.requestedGap == 0 && report.solidFractionTotal.value_or(1) < kLeastSolid)
+        run.callbacks.warn(fmt::format(
+            "the {} fill only {} of the domain, since those of up to {:.3g} mm hardly fit. Give a "
+            "smaller largest radius",
+            spheres, percent(*report.solidFractionTotal), largest));
+    else if (report.ks.value_or(0) > kOtherRadii && report.count >= kEnough)
+        run.callbacks.warn(fmt::format(
+            "the radii are not those requested (Kolmogorov-Smirnov distance {:.2g}): {} of up to "
+            "{:.3g} mm found room in few places. Give a smaller largest radius",
+            *report.ks, spheres, largest));
 }
 
 template <int Dim>
@@ -135,7 +144,7 @@ void requireSpheresLeft(const Run<Dim>& run, std::uint64_t before) {
 
 #define VDBPACK_INSTANTIATE(Dim)                                     \
     template void warnOfLooseSpheres<Dim>(const Run<Dim>&);          \
-    template void warnOfFewSpheres<Dim>(const Run<Dim>&, double);    \
+    template void warnOfSizes<Dim>(const Run<Dim>&, double);         \
     template void warnOfThinSolid<Dim>(const Run<Dim>&);             \
     template void warnOfCount<Dim>(const Run<Dim>&, double, double); \
     template void warnOfSmallVoids<Dim>(const Run<Dim>&);            \

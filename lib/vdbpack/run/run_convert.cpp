@@ -1,4 +1,5 @@
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/version.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/grey_values.h"
@@ -26,7 +27,7 @@ namespace vdbpack {
 
 namespace {
 
-const char* const kGenerator = "vdb_pack " VDBPACK_VERSION;
+const std::string kGenerator = std::string("vdb_pack ") + version();
 
 /// Refuses outputs for which spheres without a domain have nothing.
 void checkWithoutDomain(const ConvertRecipe& recipe, const Callbacks& callbacks) {

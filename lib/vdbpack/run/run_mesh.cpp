@@ -1,6 +1,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/core/version.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
@@ -30,7 +31,7 @@ MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& caller) {
         result.fitness = repair ? fitnessOf(mesh, *repair, domain, callbacks)
                                 : fitnessOf(mesh, result.health, domain, callbacks);
         for (const OutputTarget& output : recipe.outputs) {
-            writeStl(mesh, output.file, Unit::millimeter, "vdb_pack " VDBPACK_VERSION);
+            writeStl(mesh, output.file, Unit::millimeter, std::string("vdb_pack ") + version());
             result.files.push_back(output.file);
         }
     });

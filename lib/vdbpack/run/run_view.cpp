@@ -1,4 +1,5 @@
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/version.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
@@ -44,10 +45,9 @@ void writePage(const ViewRecipe& recipe, const std::string& facts, const PagePic
                ViewResult& result) {
     const std::string title =
         fmt::format("{}: {} {}", fileNameOf(recipe.pack), grouped(result.count), result.kind);
-    std::string main =
-        "<h1>" + escaped(title) + "</h1>\n<p class='under'>" +
-        escaped(fmt::format("vdb_pack {}; {}; lengths in mm", VDBPACK_VERSION, facts)) + "</p>\n" +
-        pictureFigure(picture);
+    std::string main = "<h1>" + escaped(title) + "</h1>\n<p class='under'>" +
+                       escaped(fmt::format("vdb_pack {}; {}; lengths in mm", version(), facts)) +
+                       "</p>\n" + pictureFigure(picture);
     if (!recipe.command.empty())
         main += "<details><summary>How this page was made</summary><pre>vdb_pack " +
                 escaped(recipe.command) + "</pre></details>\n";

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/core/version.h"
 #include "vdbpack/distributed/rank_measures.h"
 #include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/domain/long_axis.h"
@@ -169,7 +170,7 @@ Callbacks namingRun(const RunSettings& settings, std::uint64_t seed, std::size_t
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {
     Report report;
-    report.version = VDBPACK_VERSION;
+    report.version = version();
     report.task = task;
     report.command =
         settings.command.empty() ? std::string(task) + " " + subject : settings.command;

@@ -263,10 +263,11 @@ void warnOfLooseSpheres(const Run<Dim>& run);
 template <int Dim>
 void warnOfThinSolid(const Run<Dim>& run);
 
-/// Warns if a pack is nearly empty, because its radii hardly fit into the domain.
+/// Warns if a pack is nearly empty, because its radii hardly fit into the domain, or if so few of
+/// the larger ones did that its radii are not those requested.
 /// @param largest  radius, mm.
 template <int Dim>
-void warnOfFewSpheres(const Run<Dim>& run, double largest);
+void warnOfSizes(const Run<Dim>& run, double largest);
 
 /// Warns if the `count` spheres that are left of those that were packed are by far not `target`.
 template <int Dim>

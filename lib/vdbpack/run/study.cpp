@@ -6,6 +6,8 @@
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/stages.h"
 
+#include <fmt/format.h>
+
 #include <functional>
 #include <optional>
 #include <set>
@@ -46,12 +48,25 @@ void checkTable(const std::string& table) {
         throw ParameterError("`table` " + table + ": one table holds all seeds; leave {seed}");
 }
 
+/// Warns of seeds that change nothing: packs in which nothing is random.
+void warnOfSamePacks(const std::vector<Report>& reports, const Callbacks& callbacks) {
+    for (std::size_t n = 1; n < reports.size(); ++n) {
+        const Report &before = reports[n - 1], &r = reports[n];
+        if (r.count == 0 || r.hash != before.hash || r.seed == before.seed) continue;
+        callbacks.warn(
+            fmt::format("seeds {} and {} give the same pack, since spheres of one size are not "
+                        "drawn at random; give a distribution, such as `radius` uniform:0.98,1.02",
+                        before.seed, r.seed));
+        return;
+    }
+}
+
 /// @param inputs  that neither the outputs nor the table may replace.
 /// @param runEach  makes the runs of all recipes of a case.
 template <class Recipe, class RunEach>
 StudyResult runsOf(const std::vector<Recipe>& cases, const std::vector<std::uint64_t>& seeds,
                    const std::string& table, const std::vector<std::string>& inputs,
-                   const RunEach& runEach) {
+                   const Callbacks& callbacks, const RunEach& runEach) {
     if (seeds.empty()) throw ParameterError("there are no seeds; give at least one");
     std::vector<std::vector<Recipe>> recipes;
     for (const Recipe& one : cases) {
@@ -91,6 +106,7 @@ StudyResult runsOf(const std::vector<Recipe>& cases, const std::vector<std::uint
         throw;
     }
     writeTable();
+    warnOfSamePacks(study.reports, callbacks);
     return study;
 }
 
@@ -99,14 +115,14 @@ StudyResult runsOf(const std::vector<Recipe>& cases, const std::vector<std::uint
 StudyResult runStudy(const std::vector<PackRecipe>& cases, const std::vector<std::uint64_t>& seeds,
                      const std::string& table, const Callbacks& callbacks) {
     return runsOf(
-        cases, seeds, table, {cases.front().domain.source, cases.front().existing},
+        cases, seeds, table, {cases.front().domain.source, cases.front().existing}, callbacks,
         [&](const auto& recipes, const Each& done) { packEach(recipes, callbacks, done); });
 }
 
 StudyResult runStudy(const std::vector<VoidsRecipe>& cases, const std::vector<std::uint64_t>& seeds,
                      const std::string& table, const Callbacks& callbacks) {
     return runsOf(
-        cases, seeds, table, {cases.front().domain.source},
+        cases, seeds, table, {cases.front().domain.source}, callbacks,
         [&](const auto& recipes, const Each& done) { voidsEach(recipes, callbacks, done); });
 }
 

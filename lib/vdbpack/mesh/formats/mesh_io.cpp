@@ -47,6 +47,8 @@ constexpr double kLargest = 1e9;
                          ": is an image of a format that is not read; convert it to .nii.gz, "
                          ".nrrd or .mha, and set `threshold` or `label`");
     if (extension.empty()) requireThere(path);
+    if (extension == ".toml")
+        throw InputError(path + ": holds options (`config`) or parts (`parts`) and no mesh");
     throw InputError(
         path + ": format " + quotedExcerpt(extension) +
         " is not read as a mesh; convert it to .stl, .obj, .ply, .off, .gts, .vtp or .vtk");
