@@ -1,4 +1,4 @@
-# Writes core/version.cpp: cmake -DSOURCE=FOLDER -DVERSION=1.2.3 -DFILE=version.cpp -P version.cmake
+# Writes the source of core/version.h: cmake -DSOURCE=FOLDER -DVERSION=1.2.3 -DFILE=version.cpp -P version.cmake
 if(EXISTS ${SOURCE}/.git)
     execute_process(
         COMMAND git -C ${SOURCE} describe --always --abbrev=8 --dirty=.changed --exclude "*"

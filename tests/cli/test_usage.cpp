@@ -179,6 +179,8 @@ TEST_CASE("the shell completes commands, options and their words") {
 TEST_CASE("the version names what it is made with") {
     const auto out = vdbPack("--version");
     CHECK(out.code == 0);
+    // The rest is that of no commit, or of one.
+    CHECK_THAT(version(), Catch::Matches(R"(0\.[0-9.]+(\+[0-9a-f]{8,}(\.changed)?)?)"));
     CHECK_THAT(out.text, Contains(std::string("vdb_pack ") + version() + '\n') &&
                              Contains(std::string("OpenVDB ") + openVdbVersion() + ",") &&
                              Contains("TBB 20"));

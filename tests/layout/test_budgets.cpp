@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3547},
     {"lib/vdbpack/run", 6857},
     {"tools", 3842},
-    {"tests", 34746},
+    {"tests", 34748},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -96,7 +96,7 @@ DIM_TEST_CASE("thinning takes the share D of the spheres below the shell") {
         CHECK(core > 500);
         CHECK(gone == static_cast<double>(before.spheres.size() - after.spheres.size()));
         // The front places small ones more often than they are drawn: not quite uniform.
-        const double slack = method == std::string("threshold") ? 0.04 : 0.1;
+        const double slack = method == std::string("threshold") ? 0.035 : 0.1;
         CHECK(gone / core == Approx(0.3).margin(slack));
     }
 }
