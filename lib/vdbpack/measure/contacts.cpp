@@ -195,6 +195,29 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
 }
 
 template <int Dim>
+std::array<std::uint64_t, 3> partnersOfPart(const std::vector<Sphere<Dim>>& spheres,
+                                            std::size_t own,
+                                            const std::array<double, 3>& tolerances) {
+    PerThread<std::array<std::uint64_t, 3>> found;
+    const CellLevels<Dim> cells(spheres, tolerances.back());
+    cells.forEachPair(
+        [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
+            double d2) {
+            auto& mine = found.local();
+            for (std::size_t k = 0; k < tolerances.size(); ++k) {
+                const double reach =
+                    a.radius + b.radius + tolerances[k] * std::min(a.radius, b.radius);
+                if (d2 < reach * reach) mine[k] += std::uint64_t{i < own} + (j < own);
+            }
+        },
+        [] { return false; });
+    std::array<std::uint64_t, 3> partners{};
+    for (const auto& each : found)
+        for (std::size_t k = 0; k < partners.size(); ++k) partners[k] += each[k];
+    return partners;
+}
+
+template <int Dim>
 void ContactSums::add(const std::vector<Sphere<Dim>>& added, double tolerance,
                       const std::vector<float>& depth, std::vector<std::int32_t>& counts) {
     PerThread<ContactSums> tallies;
@@ -350,6 +373,9 @@ std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::
     template PartContacts contactsOfPart(const std::vector<Sphere<Dim>>&, std::size_t, double,    \
                                          const std::vector<float>&,                               \
                                          const std::vector<std::uint32_t>*);                      \
+    template std::array<std::uint64_t, 3> partnersOfPart(const std::vector<Sphere<Dim>>&,         \
+                                                         std::size_t,                             \
+                                                         const std::array<double, 3>&);           \
     template void ContactSums::add(const std::vector<Sphere<Dim>>&, double,                       \
                                    const std::vector<float>&, std::vector<std::int32_t>&);        \
     template ContactCheck countContacts<Dim>(const std::vector<Sphere<Dim>>&, double,             \

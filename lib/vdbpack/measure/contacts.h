@@ -102,6 +102,14 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
                             double tolerance, const std::vector<float>& depth = {},
                             const std::vector<std::uint32_t>* source = nullptr);
 
+/// How many spheres the first `own` spheres touch, all together, at each tolerance: a pair of them
+/// counts twice. The others are as of `contactsOfPart`.
+/// @param tolerances  as of `countContacts`, rising.
+template <int Dim>
+std::array<std::uint64_t, 3> partnersOfPart(const std::vector<Sphere<Dim>>& spheres,
+                                            std::size_t own,
+                                            const std::array<double, 3>& tolerances);
+
 /// The network of all parts, without its components.
 ContactNetwork networkOf(const ContactSums& sums, int dim);
 

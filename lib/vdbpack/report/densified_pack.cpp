@@ -30,27 +30,29 @@ template <int Dim>
 std::array<double, 3> contactsOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks,
                                  const std::vector<std::int64_t>& labels,
                                  const PeriodicCell<Dim>& cell) {
-    std::array<double, 3> means{};
+    std::vector<std::uint64_t> partners(kTolerances.size() + 1);
+    partners.back() = spheres.size();
+    const auto add = [&](const std::vector<Sphere<Dim>>& all, std::size_t own) {
+        const auto found = partnersOfPart(all, own, kTolerances);
+        for (std::size_t k = 0; k < found.size(); ++k) partners[k] += found[k];
+    };
     if (ranks) {
-        SpaceShares<Dim> shares(
-            *ranks, spheres, labels,
-            {*std::max_element(kTolerances.begin(), kTolerances.end()), 0, cell});
-        std::vector<std::uint64_t> partners(means.size() + 1);
-        partners.back() = spheres.size();
+        SpaceShares<Dim> shares(*ranks, spheres, labels, {kTolerances.back(), 0, cell});
         for (std::size_t round = 0; round < shares.rounds(); ++round) {
             const auto part = shares.part(round);
-            for (std::size_t k = 0; k < means.size(); ++k)
-                for (const std::int32_t n :
-                     contactsOfPart(part.spheres, part.own, kTolerances[k]).partners)
-                    partners[k] += static_cast<std::uint64_t>(n);
+            add(part.spheres, part.own);
         }
         ranks->sum(partners);
-        for (std::size_t k = 0; k < means.size(); ++k)
-            means[k] = static_cast<double>(partners[k]) / static_cast<double>(partners.back());
-        return means;
+    } else {
+        double largest = 0;
+        for (const Sphere<Dim>& s : spheres) largest = std::max(largest, s.radius);
+        add(withImages(spheres, cell, (1 + kTolerances.back()) * largest * (1 + 1e-9)).spheres,
+            spheres.size());
     }
+    std::array<double, 3> means{};
     for (std::size_t k = 0; k < means.size(); ++k)
-        means[k] = countContacts(spheres, kTolerances[k], {}, cell).meanOfSpheres;
+        means[k] = static_cast<double>(partners[k]) /
+                   static_cast<double>(std::max<std::uint64_t>(partners.back(), 1));
     return means;
 }
 
