@@ -149,4 +149,6 @@ TEST_CASE("grips reach past hollow ends, or warn, as do spheres outside of the d
     CHECK_THAT(press(2, "box:4,4,20"), Contains("grips of 2.75 mm") && !Contains("warning"));
     CHECK_THAT(press(6, "box:4,4,28"), Contains("of the cross-section at one end"));
     CHECK_THAT(press(0, "box:4,4,8"), Contains("outside of"));
+    CHECK_THAT(press(0, "box:4,4,40"), Contains("40 % of box:4,4,40 along z"));
+    CHECK_THAT(press(0, "box:4,4,16 --bond-modulus 17"), Contains("moduli are in MPa"));
 }

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 92262},
+    {"lib", 92330},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2505},
     {"lib/vdbpack/io", 2961},
@@ -34,17 +34,17 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/pack", 7899},
     {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/bonds", 695},
-    {"lib/vdbpack/measure", 5539},
-    {"lib/vdbpack/voids", 8071},
+    {"lib/vdbpack/measure", 5572},
+    {"lib/vdbpack/voids", 8072},
     {"lib/vdbpack/formats", 10178},
-    {"lib/vdbpack/report", 3963},
+    {"lib/vdbpack/report", 3965},
     {"lib/vdbpack/preview", 3427},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3547},
-    {"lib/vdbpack/run", 6857},
+    {"lib/vdbpack/run", 6889},
     {"tools", 3842},
-    {"tests", 34748},
+    {"tests", 34750},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

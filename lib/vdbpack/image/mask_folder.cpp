@@ -135,7 +135,7 @@ Image readMasks(const std::vector<std::string>& files, const std::string& folder
     const std::size_t named = std::min(empty.size(), kMostNamed), more = empty.size() - named;
     if (!empty.empty())
         options.callbacks.warn(fmt::format(
-            "{}: {} of {} masks are empty and left out: {}{}", folder, empty.size(), files.size(),
+            "{}: empty masks are left out, {} of {}: {}{}", folder, empty.size(), files.size(),
             fmt::join(empty.begin(), empty.begin() + static_cast<std::ptrdiff_t>(named), ", "),
             more > 0 ? fmt::format(" and {} more", more) : ""));
     Image image = joined(layers, folder);

@@ -373,9 +373,8 @@ std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::
     template PartContacts contactsOfPart(const std::vector<Sphere<Dim>>&, std::size_t, double,    \
                                          const std::vector<float>&,                               \
                                          const std::vector<std::uint32_t>*);                      \
-    template std::array<std::uint64_t, 3> partnersOfPart(const std::vector<Sphere<Dim>>&,         \
-                                                         std::size_t,                             \
-                                                         const std::array<double, 3>&);           \
+    template std::array<std::uint64_t, 3> partnersOfPart(                                         \
+        const std::vector<Sphere<Dim>>&, std::size_t, const std::array<double, 3>&);              \
     template void ContactSums::add(const std::vector<Sphere<Dim>>&, double,                       \
                                    const std::vector<float>&, std::vector<std::int32_t>&);        \
     template ContactCheck countContacts<Dim>(const std::vector<Sphere<Dim>>&, double,             \

@@ -36,7 +36,7 @@ double solidFractionIn(const std::string& text) {
     if (!parseReal(text, fraction) || !(fraction > 0 && fraction < 1))
         throw ParameterError(
             "`densify` '" + text +
-            "': must be max or a solid fraction above 0 and below 1, such as 0.64");
+            "': must be max or one solid fraction above 0 and below 1, such as 0.64");
     return fraction;
 }
 

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -24,6 +23,48 @@ constexpr double kLeastShear = 0.05, kMostShear = 4, kPoissonError = 5e-4;
 constexpr int kMostTries = 12;
 /// Share of the spheres that bonds hold below which a warning says so.
 constexpr double kHeld = 0.97;
+
+/// The box around the spheres, mm.
+Box<3> boxAround(const Pack<3>& pack) {
+    Box<3> box;
+    for (const Sphere<3>& s : pack.spheres) {
+        box.add(s.center - Box<3>::filled(s.radius));
+        box.add(s.center + Box<3>::filled(s.radius));
+    }
+    return box;
+}
+
+/// Warns of spheres that reach through a part of the domain only.
+void warnOfEmptyEnds(const Pack<3>& pack, const Box<3>& bounds, const std::string& domain,
+                     const Callbacks& callbacks) {
+    constexpr double kReaches = 0.8;
+    const Vec<3> size = boxAround(pack).size();
+    for (int d = 0; d < 3; ++d) {
+        const double share = size[d] / bounds.size()[d];
+        if (!(share < kReaches)) continue;
+        callbacks.warn(
+            fmt::format("the spheres reach through {:.0f} % of {} along {}, so that its volume and "
+                        "cross-section are not theirs; check `domain`, `label`, `mask` and `clip`",
+                        100 * share, domain, "xyz"[d]));
+        return;
+    }
+}
+
+/// Warns of bonds as soft or as stiff as no material of bones and implants is.
+void warnOfModuli(const std::vector<Bond>& bonds, const Callbacks& callbacks) {
+    constexpr double kLeast = 20, kMost = 1e6;  // MPa
+    if (bonds.empty()) return;
+    std::vector<double> moduli;
+    for (const Bond& b : bonds) moduli.push_back(b.modulus);
+    const auto middle = moduli.begin() + static_cast<std::ptrdiff_t>(moduli.size() / 2);
+    std::nth_element(moduli.begin(), middle, moduli.end());
+    if (*middle < kLeast || *middle > kMost)
+        callbacks.warn(
+            fmt::format("half of the bonds have a Young's modulus of {:.3g} MPa or {}; moduli are "
+                        "in MPa: of bone tissue some 1,000 to 20,000. Check `modulus`, "
+                        "`bond-modulus` or the column {}",
+                        *middle, *middle < kLeast ? "less" : "more", kModulusColumn));
+}
 
 /// What the spheres fill, in which cell, and which of them are at its wall.
 void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
@@ -42,13 +83,10 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
         body.volume = built.space->volume();
         if (built.space->cell().any()) pack.cell = built.space->cell();
         result.body = describe(named);
+        warnOfEmptyEnds(pack, built.space->bounds(), result.body, callbacks);
         depths = built.space->signedDistances(centers);
     } else {
-        Box<3> box;
-        for (const auto& s : pack.spheres) {
-            box.add(s.center - Box<3>::filled(s.radius));
-            box.add(s.center + Box<3>::filled(s.radius));
-        }
+        const Box<3> box = boxAround(pack);
         body.volume = box.volume();
         result.body = "the box around the spheres; give `domain` for that of a body";
         for (const auto& x : centers) {
@@ -99,6 +137,7 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     body.bonds = &bonds;
     constexpr std::uint64_t kFewHeld = 20;
     if (result.bonds == 0) {
+        warnOfModuli(bonds, callbacks);
         warnOfLoose(bonds, body, callbacks);
         warnOfLooseParts(pack, bonds, callbacks);
     }
@@ -120,11 +159,7 @@ template <class Counts>
 double shadowOf(const Pack<3>& pack, int axis, double cell, const Counts& counts) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     const auto at = [cell](double x) { return static_cast<std::int64_t>(std::floor(x / cell)); };
-    Box<3> box;
-    for (const Sphere<3>& s : pack.spheres) {
-        box.add(s.center - Box<3>::filled(s.radius));
-        box.add(s.center + Box<3>::filled(s.radius));
-    }
+    const Box<3> box = boxAround(pack);
     const std::int64_t left = at(box.lo[u]), low = at(box.lo[v]), rows = at(box.hi[v]) - low + 1;
     std::vector<std::uint8_t> hidden(static_cast<std::size_t>((at(box.hi[u]) - left + 1) * rows));
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
@@ -153,12 +188,8 @@ StiffnessResult::Pressed gripsOn(const StiffnessRecipe& recipe, const Pack<3>& p
     if (pack.cell.isAlong(axis))
         throw ParameterError(
             fmt::format("`press` {}: the pack is periodic along it, without ends", "xyz"[axis]));
-    double& low = pressed.low = std::numeric_limits<double>::infinity();
-    double& high = pressed.high = -low;
-    for (const Sphere<3>& s : pack.spheres) {
-        low = std::min(low, s.center[axis] - s.radius);
-        high = std::max(high, s.center[axis] + s.radius);
-    }
+    const Box<3> box = boxAround(pack);
+    const double low = pressed.low = box.lo[axis], high = pressed.high = box.hi[axis];
     const double mean = radiusStatistics(pack.spheres).mean;
     pressed.area = volume / (high - low);
     const double whole =
@@ -219,6 +250,7 @@ void press(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, B
     const auto bonds = bondsIn(pack, options);
     body.pack = &pack;
     body.bonds = &bonds;
+    warnOfModuli(bonds, callbacks);
     warnOfLoose(bonds, body, callbacks);
     warnOfLooseParts(pack, bonds, callbacks);
     pressed.stiffness = 2 * energyOf(body, moves, callbacks);

@@ -68,6 +68,7 @@ FoamPack<Dim> foamPack(const SizeDistribution& sizes, const Vec<Dim>& half, std:
     pack.wraps = wraps;
     PackOptions front(sizes.scaled(1 / sizes.mean()));
     front.seed = seed;
+    front.order = Order::sweep;  // nothing of the front is left once the pack is denser
     Box<Dim> box;
     for (int d = 0; d < Dim; ++d) {
         if (wraps[static_cast<std::size_t>(d)]) {
