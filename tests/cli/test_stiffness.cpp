@@ -151,4 +151,17 @@ TEST_CASE("grips reach past hollow ends, or warn, as do spheres outside of the d
     CHECK_THAT(press(0, "box:4,4,8"), Contains("outside of"));
     CHECK_THAT(press(0, "box:4,4,40"), Contains("40 % of box:4,4,40 along z"));
     CHECK_THAT(press(0, "box:4,4,16 --bond-modulus 17"), Contains("moduli are in MPa"));
+    CHECK_THAT(press(0, "box:4,4,16 --bond-modulus-for 2e9"), Contains("moduli are in MPa"));
+}
+
+TEST_CASE("stiffness warns of a box that is not the domain, and of bonds across wide gaps") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("ball.vtp");
+    REQUIRE(vdbPack("pack ball:5 --radius uniform:0.4,0.8 --contact-tol 0.01 --quiet -o " + file)
+                .code == 0);
+    const std::string words = "stiffness " + file;
+    CHECK_THAT(vdbPack(words + " --contact-tol 0.01").text, Contains("box around them"));
+    const std::string right = words + " --domain ball:5 --contact-tol 0.0";
+    CHECK_THAT(vdbPack(right + "1").text, !Contains("warning"));
+    CHECK_THAT(vdbPack(right + "6").text, Contains("across gaps"));
 }

@@ -60,8 +60,7 @@ TEST_CASE("a folder of masks is a label map with the names of the files, without
     CHECK(image.layers == 1);
     CHECK(image.grid.at({}) == Vec<3>{{5, -7, 9}});
     CHECK(rowOf(image, 0) == std::vector<int>{1, 1, 2, 2, 4, 4, 4, 0});
-    CHECK(warnings ==
-          std::vector<std::string>{path + ": empty masks are left out, 1 of 4: rib.1"});
+    CHECK(warnings == std::vector<std::string>{path + ": empty masks are left out, 1 of 4: rib.1"});
     const auto labels = labelsOf(image).value();
     REQUIRE(labels.size() == 3);
     CHECK(labels[2].name == "sacrum");

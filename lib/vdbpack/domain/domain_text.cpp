@@ -20,7 +20,8 @@ namespace {
 
 /// @param what  as messages name it: "`clips` 'box:1'".
 [[noreturn]] void malformed(const std::string& what, const char* form) {
-    throw ParameterError(fmt::format("{} is malformed; write {}, lengths in mm, decimals with a point", what, form));
+    throw ParameterError(
+        fmt::format("{} is malformed; write {}, lengths in mm, decimals with a point", what, form));
 }
 
 /// The finite numbers in "a,b,c". @throws ParameterError showing `form`.

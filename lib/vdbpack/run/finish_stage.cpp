@@ -132,6 +132,7 @@ void write(Run<Dim>& run) {
     }
     const BondOptions bonds = bondOptionsOf(settings);
     warnOfUnusedBonds(run.pack, run.pack.origin, bonds, run.callbacks);
+    warnOfModuli(run.pack, bonds.law, run.callbacks);
     run.pack.origin = {report.axes, bonds.tolerance,
                        std::max(bonds.interfaceTolerance, run.pack.origin.interfaceTolerance)};
     const RunOutputs<Dim> have = outputsOf(run);

@@ -124,6 +124,23 @@ std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance) {
     return pairs;
 }
 
+void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callbacks& callbacks) {
+    constexpr double kLeast = 20, kMost = 1e6;
+    const Column* own = columnOfNumbers(pack, kModulusColumn);
+    if (own && own->numbers.empty()) return;
+    std::vector<double> moduli = own ? own->numbers : std::vector<double>{law.modulus};
+    const auto middle = moduli.begin() + static_cast<std::ptrdiff_t>(moduli.size() / 2);
+    std::nth_element(moduli.begin(), middle, moduli.end());
+    if (!(*middle < kLeast || *middle > kMost)) return;
+    callbacks.warn(fmt::format(
+        "{} a Young's modulus of {:.3g} MPa{}; moduli are in MPa, of bone tissue some 1,000 to "
+        "20,000: check `modulus`, `bond-modulus` or `bond-modulus-for`",
+        own ? "half of the spheres have" : "bonds have", *middle,
+        !own               ? ""
+        : *middle < kLeast ? " or less"
+                           : " or more"));
+}
+
 void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,
                        const BondOptions& options, const Callbacks& callbacks) {
     if (options.interfaceTolerance > origin.interfaceTolerance &&

@@ -8,6 +8,10 @@ namespace vdbpack {
 /// The pairs in contact of a pack whose spheres are in two parts, by their column `kPartColumn`.
 std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance);
 
+/// Warns where half of the spheres have Young's moduli, or bonds one, that no material of bones and
+/// implants has: in another unit than MPa.
+void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callbacks& callbacks);
+
 /// Warns of a tolerance between parts where a pack has none and states none, and of a modulus of
 /// bonds where all spheres have their own.
 void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,

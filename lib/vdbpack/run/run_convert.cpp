@@ -54,6 +54,7 @@ void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptio
                ConvertResult& result, const Callbacks& callbacks) {
     warnOfUnusedBonds(recipe, callbacks);
     warnOfUnusedBonds(pack, pack.origin, options, callbacks);
+    warnOfModuli(pack, options.law, callbacks);
     if (std::none_of(recipe.outputs.begin(), recipe.outputs.end(),
                      [](const OutputTarget& output) { return output.listsPairs(); }))
         return;

@@ -23,6 +23,10 @@ constexpr double kLeastShear = 0.05, kMostShear = 4, kPoissonError = 5e-4;
 constexpr int kMostTries = 12;
 /// Share of the spheres that bonds hold below which a warning says so.
 constexpr double kHeld = 0.97;
+/// Share of the box around the spheres that they fill if it is their domain, at least.
+constexpr double kFillsBox = 0.48;
+/// Tolerance from which on bonds cross gaps.
+constexpr double kWideGaps = 0.05;
 
 /// The box around the spheres, mm.
 Box<3> boxAround(const Pack<3>& pack) {
@@ -50,22 +54,6 @@ void warnOfEmptyEnds(const Pack<3>& pack, const Box<3>& bounds, const std::strin
     }
 }
 
-/// Warns of bonds as soft or as stiff as no material of bones and implants is.
-void warnOfModuli(const std::vector<Bond>& bonds, const Callbacks& callbacks) {
-    constexpr double kLeast = 20, kMost = 1e6;  // MPa
-    if (bonds.empty()) return;
-    std::vector<double> moduli;
-    for (const Bond& b : bonds) moduli.push_back(b.modulus);
-    const auto middle = moduli.begin() + static_cast<std::ptrdiff_t>(moduli.size() / 2);
-    std::nth_element(moduli.begin(), middle, moduli.end());
-    if (*middle < kLeast || *middle > kMost)
-        callbacks.warn(
-            fmt::format("half of the bonds have a Young's modulus of {:.3g} MPa or {}; moduli are "
-                        "in MPa: of bone tissue some 1,000 to 20,000. Check `modulus`, "
-                        "`bond-modulus` or the column {}",
-                        *middle, *middle < kLeast ? "less" : "more", kModulusColumn));
-}
-
 /// What the spheres fill, in which cell, and which of them are at its wall.
 void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
                  StiffnessResult& result, const Callbacks& callbacks) {
@@ -89,6 +77,13 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
         const Box<3> box = boxAround(pack);
         body.volume = box.volume();
         result.body = "the box around the spheres; give `domain` for that of a body";
+        double filled = 0;
+        for (const auto& s : pack.spheres) filled += Measure<3>::ball(s.radius);
+        if (filled < kFillsBox * body.volume)
+            callbacks.warn(
+                fmt::format("the spheres fill {:.2g} of the box around them, whose volume and "
+                            "cross-section are not theirs; set the `domain` of the pack",
+                            filled / body.volume));
         for (const auto& x : centers) {
             double wall = box.lo[0] - x[0];
             for (int d = 0; d < 3; ++d) wall = std::max({wall, box.lo[d] - x[d], x[d] - box.hi[d]});
@@ -137,7 +132,6 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     body.bonds = &bonds;
     constexpr std::uint64_t kFewHeld = 20;
     if (result.bonds == 0) {
-        warnOfModuli(bonds, callbacks);
         warnOfLoose(bonds, body, callbacks);
         warnOfLooseParts(pack, bonds, callbacks);
     }
@@ -250,7 +244,6 @@ void press(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, B
     const auto bonds = bondsIn(pack, options);
     body.pack = &pack;
     body.bonds = &bonds;
-    warnOfModuli(bonds, callbacks);
     warnOfLoose(bonds, body, callbacks);
     warnOfLooseParts(pack, bonds, callbacks);
     pressed.stiffness = 2 * energyOf(body, moves, callbacks);
@@ -331,6 +324,13 @@ StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& cal
         result.seconds.domain = clock.lap();
         BondOptions options = bondOptionsOf(recipe);
         warnOfTolerance(recipe.pack, pack.origin, options, heard);
+        const double own = pack.origin.contactTolerance;
+        if (own > 0 && options.tolerance > std::max(kWideGaps, 5 * own))
+            heard.warn(fmt::format(
+                "`contactTolerance` {:g} bonds spheres across gaps of up to so many radii, and {} "
+                "was packed with {:g}: more bonds, and a stiffer pack. Those between parts alone "
+                "are set by `interfaceTolerance`",
+                options.tolerance, recipe.pack, own));
         warnOfUnusedBonds(pack, pack.origin, options, heard);
         if (recipe.press)
             press(recipe, pack, options, body, result, heard);
@@ -338,6 +338,7 @@ StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& cal
             fit(recipe, pack, options, body, result, heard);
         else
             solve(pack, options, body, result, heard);
+        warnOfModuli(pack, options.law, heard);
         result.seconds.measure = clock.lap();
         RunOutputs<3> have;
         have.pack = &pack;
