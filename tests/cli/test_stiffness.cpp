@@ -150,6 +150,7 @@ TEST_CASE("grips reach past hollow ends, or warn, as do spheres outside of the d
     CHECK_THAT(press(6, "box:4,4,28"), Contains("of the cross-section at one end"));
     CHECK_THAT(press(0, "box:4,4,8"), Contains("outside of"));
     CHECK_THAT(press(0, "box:4,4,40"), Contains("40 % of box:4,4,40 along z"));
+    CHECK_THAT(press(0, "box:4,4,40 --clip box:-2,-2,-8,2,2,8"), !Contains("warning"));
     CHECK_THAT(press(0, "box:4,4,16 --bond-modulus 17"), Contains("moduli are in MPa"));
     CHECK_THAT(press(0, "box:4,4,16 --bond-modulus-for 2e9"), Contains("moduli are in MPa"));
 }

@@ -71,7 +71,8 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
         body.volume = built.space->volume();
         if (built.space->cell().any()) pack.cell = built.space->cell();
         result.body = describe(named);
-        warnOfEmptyEnds(pack, built.space->bounds(), result.body, callbacks);
+        if (named.clips.empty())  // bounds are those of the whole
+            warnOfEmptyEnds(pack, built.space->bounds(), result.body, callbacks);
         depths = built.space->signedDistances(centers);
     } else {
         const Box<3> box = boxAround(pack);
