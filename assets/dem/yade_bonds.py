@@ -74,7 +74,7 @@ def load_bonds(path, first=0, ids=None):
             ends = [ids[int(row[e])] if ids else first + int(row[e]) for e in "ij"]
             one = createInteraction(*ends)
             if float(row.get("modulus") or 1e300) < 1e-4 * min(O.bodies[end].material.young for end in ends):
-                raise ValueError(f"{path}: its moduli are in MPa and its lengths in mm, those of the materials in Pa; "
+                raise ValueError(f"{path}: moduli of bonds are in MPa and lengths in mm, moduli of materials in Pa; "
                                  "write pack and bonds with --out-unit m")
             phys = one.phys
             phys.kn, phys.ks, phys.kr, phys.ktw = (float(row[k]) for k in ("k_n", "k_t", "k_bending", "k_torsion"))

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 92356},
+    {"lib", 92360},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2505},
     {"lib/vdbpack/io", 2961},
@@ -34,10 +34,10 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/pack", 7899},
     {"lib/vdbpack/densify", 4747},
     {"lib/vdbpack/bonds", 695},
-    {"lib/vdbpack/measure", 5572},
+    {"lib/vdbpack/measure", 5579},
     {"lib/vdbpack/voids", 8072},
     {"lib/vdbpack/formats", 10178},
-    {"lib/vdbpack/report", 3965},
+    {"lib/vdbpack/report", 3962},
     {"lib/vdbpack/preview", 3427},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},

@@ -94,17 +94,6 @@ void addAnisotropy(const ContactSums& sums, ContactNetwork& network) {
     network.stiffest = modulus->direction;
 }
 
-/// The spheres with all images that own ones may touch.
-template <int Dim>
-SpheresWithImages<Dim> withPartners(const std::vector<Sphere<Dim>>& spheres, double tolerance,
-                                    const PeriodicCell<Dim>& cell) {
-    requireContactTolerance(tolerance);
-    requireUsable(spheres);
-    double largest = 0;
-    for (const Sphere<Dim>& s : spheres) largest = std::max(largest, s.radius);
-    return withImages(spheres, cell, (1 + tolerance) * largest * (1 + 1e-9));
-}
-
 /// @param source  of each sphere as in `SpheresWithImages`; null: there are no images.
 template <int Dim>
 std::optional<double> leastGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing,
@@ -192,6 +181,16 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
         result.component[i] = components.find(static_cast<std::uint32_t>(i));
     });
     return result;
+}
+
+template <int Dim>
+SpheresWithImages<Dim> withPartners(const std::vector<Sphere<Dim>>& spheres, double tolerance,
+                                    const PeriodicCell<Dim>& cell) {
+    requireContactTolerance(tolerance);
+    requireUsable(spheres);
+    double largest = 0;
+    for (const Sphere<Dim>& s : spheres) largest = std::max(largest, s.radius);
+    return withImages(spheres, cell, (1 + tolerance) * largest * (1 + 1e-9));
 }
 
 template <int Dim>
@@ -373,6 +372,8 @@ std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::
     template PartContacts contactsOfPart(const std::vector<Sphere<Dim>>&, std::size_t, double,    \
                                          const std::vector<float>&,                               \
                                          const std::vector<std::uint32_t>*);                      \
+    template SpheresWithImages<Dim> withPartners(const std::vector<Sphere<Dim>>&, double,         \
+                                                 const PeriodicCell<Dim>&);                       \
     template std::array<std::uint64_t, 3> partnersOfPart(                                         \
         const std::vector<Sphere<Dim>>&, std::size_t, const std::array<double, 3>&);              \
     template void ContactSums::add(const std::vector<Sphere<Dim>>&, double,                       \

@@ -102,6 +102,12 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
                             double tolerance, const std::vector<float>& depth = {},
                             const std::vector<std::uint32_t>* source = nullptr);
 
+/// The spheres with all images that they may touch.
+/// @throws as `countContacts`.
+template <int Dim>
+SpheresWithImages<Dim> withPartners(const std::vector<Sphere<Dim>>& spheres, double tolerance,
+                                    const PeriodicCell<Dim>& cell);
+
 /// How many spheres the first `own` spheres touch, all together, at each tolerance: a pair of them
 /// counts twice. The others are as of `contactsOfPart`.
 /// @param tolerances  as of `countContacts`, rising.

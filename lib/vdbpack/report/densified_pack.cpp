@@ -44,10 +44,7 @@ std::array<double, 3> contactsOf(const std::vector<Sphere<Dim>>& spheres, Ranks*
         }
         ranks->sum(partners);
     } else {
-        double largest = 0;
-        for (const Sphere<Dim>& s : spheres) largest = std::max(largest, s.radius);
-        add(withImages(spheres, cell, (1 + kTolerances.back()) * largest * (1 + 1e-9)).spheres,
-            spheres.size());
+        add(withPartners(spheres, kTolerances.back(), cell).spheres, spheres.size());
     }
     std::array<double, 3> means{};
     for (std::size_t k = 0; k < means.size(); ++k)

@@ -71,7 +71,7 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
         body.volume = built.space->volume();
         if (built.space->cell().any()) pack.cell = built.space->cell();
         result.body = describe(named);
-        if (named.clips.empty())  // bounds are those of the whole
+        if (named.clips.empty())  // else the bounds are wider than the clipped domain
             warnOfEmptyEnds(pack, built.space->bounds(), result.body, callbacks);
         depths = built.space->signedDistances(centers);
     } else {
