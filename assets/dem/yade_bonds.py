@@ -76,6 +76,10 @@ def load_bonds(path, first=0, ids=None):
             if float(row.get("modulus") or 1e300) < 1e-4 * min(O.bodies[end].material.young for end in ends):
                 raise ValueError(f"{path}: moduli of bonds are in MPa and lengths in mm, moduli of materials in Pa; "
                                  "write pack and bonds with --out-unit m")
+            apart = (O.bodies[ends[1]].state.pos - O.bodies[ends[0]].state.pos).norm()
+            if not O.periodic and not 0.1 < apart / float(row.get("length") or apart) < 10:
+                raise ValueError(f"{path}: a bond of {row['length']} joins spheres {apart:g} apart; write pack and bonds in one run, "
+                                 "with --out-unit m")
             phys = one.phys
             phys.kn, phys.ks, phys.kr, phys.ktw = (float(row[k]) for k in ("k_n", "k_t", "k_bending", "k_torsion"))
             phys.unp = one.geom.penetrationDepth

@@ -75,6 +75,22 @@ TEST_CASE("bonds for a wanted modulus and Poisson's ratio give the pack these") 
                Contains("write E alone"));
 }
 
+TEST_CASE("a boundary that holds less than a wall would is warned of, as are factors of bonds") {
+    const TemporaryFolder folder;
+    REQUIRE(vdbPack("pack periodic:30,30,30 --radius uniform:0.8,1.6 --quiet -o " +
+                    folder.file("c.csv"))
+                .code == 0);
+    const std::string words = "stiffness " + folder.file("c.csv") + " --contact-tol 0.01";
+    CHECK_THAT(vdbPack(words).text,
+               Contains("of the wall") && Contains("of a periodic one its cell"));
+    CHECK_THAT(vdbPack(words + " --domain periodic:30,30,30").text, !Contains("of the wall"));
+    const std::string walled =
+        "stiffness " + packedIn(folder) + " --contact-tol 0.01 --domain " + kBox;
+    CHECK_THAT(vdbPack(walled).text, !Contains("warning"));
+    CHECK_THAT(vdbPack(walled + " --bond-radius 30").text, Contains("--bond-radius 30"));
+    CHECK_THAT(vdbPack(walled + " --bond-shear 40").text, Contains("--bond-shear 40"));
+}
+
 TEST_CASE("bonds are written in the unit of lengths, forces in N") {
     const TemporaryFolder folder;
     const std::string pack = packedIn(folder);

@@ -148,6 +148,20 @@ TEST_CASE("a recipe that cannot be read is reported by line and name") {
     CHECK(vdbPack("pack ball:3 --quiet --json --config " + file).code == 0);
 }
 
+TEST_CASE("a file of parts that cannot be read is reported by line, with what to write") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("p.toml");
+    const auto refusal = [&](const std::string& text) {
+        putContent(file, text);
+        return vdbPack("pack --radius constant:1 --dry-run --parts " + file).text;
+    };
+    CHECK_THAT(refusal("[[part]]\ndomain = \"ball:9\"\nlabel = vertebrae_L3\n"),
+               Contains("p.toml: line 3") && Contains("label = \"vertebrae_L3\""));
+    std::string dots = "a";
+    for (int i = 0; i < 3000; ++i) dots += ".a";
+    CHECK_THAT(refusal(dots + " = 1\n"), Contains("p.toml") && Contains("dots"));
+}
+
 TEST_CASE("progress states rate and remaining time once they can be estimated") {
     CHECK_THAT(progressLine({"pack", 0.001, 900}, 0.1), Contains("900 spheres") && !Contains("/s"));
     const std::string half = progressLine({"pack", 0.5, 1234567}, 2);

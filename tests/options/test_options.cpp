@@ -67,7 +67,7 @@ TEST_CASE("distances of words are those of their letters", "[options]") {
     CHECK(mostLike("--vox", {"--seed", "--voxel"}) == "--voxel");
     CHECK(mostLike("--thickness", {"--seed", "--radius"}) == "");
     CHECK(similarWord("vertebrae_l3", {"hip_left", "vertebrae_L3"}) ==
-          "; did you mean vertebrae_L3?");
+          " (did you mean vertebrae_L3?)");
     CHECK(similarWord("skull", {"hip_left", "vertebrae_L3"}).empty());
 }
 

@@ -277,6 +277,17 @@ TEST_CASE("a density below that of air is raised, with a warning") {
     for (const double d : numbersOf(std::get<Pack<3>>(run.pack), kDensityColumn)) CHECK(d >= 1);
 }
 
+TEST_CASE("densities that a calibration gives in another unit are warned of") {
+    const TemporaryFolder folder;
+    writeSlope(folder.file("g.nrrd"));
+    PackJob recipe = recipeFor("ball:5", "uniform:0.8,1.6");
+    recipe.grey.samples = {"a=" + folder.file("g.nrrd")};
+    recipe.grey.calibration = "a=1,1000";
+    CHECK_FALSE(mentions(runPack(recipe).report.warnings, "kg/m³"));
+    recipe.grey.calibration = "a=1000,1000000";
+    CHECK(mentions(runPack(recipe).report.warnings, "more than 6000 kg/m³"));
+}
+
 TEST_CASE("voids follow the BV/TV that grey values say") {
     const TemporaryFolder folder;
     const std::string grey = folder.file("grey.nrrd");

@@ -9,8 +9,11 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
+#include "vdbpack/report/run_result.h"
+#include "vdbpack/run/interfaces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace {
@@ -75,6 +78,24 @@ TEST_CASE("each part has its own modulus, or the run is refused") {
     for (std::size_t i = 0; i < moduli.size(); ++i)
         CHECK(moduli[i] == (part[i] == 0 ? 900 : 110000));
     CHECK(std::count(part.begin(), part.end(), 1.0) > 50);
+    // An implant in GPa shows in the report.
+    REQUIRE(run.report.materials.size() == 2);
+    CHECK(run.report.materials[1].part == "screw");
+    CHECK(*run.report.materials[1].modulus == std::array<double, 3>{110000, 110000, 110000});
+    CHECK_FALSE(run.report.materials[1].density);
+    CHECK_THAT(summary(run.report), Contains("screw: Young's modulus 110,000 MPa"));
+}
+
+TEST_CASE("the report states least, middle and largest density and modulus of the spheres") {
+    Pack<3> pack;
+    pack.spheres.assign(4, {{{0, 0, 0}}, 1});
+    pack.columns = {{kDensityColumn, {1900, 200, 700, 900}, {}, {}}};
+    const auto all = materialsOf(pack);
+    REQUIRE(all.size() == 1);
+    CHECK(all[0].part.empty());
+    CHECK(*all[0].density == std::array<double, 3>{200, 900, 1900});
+    CHECK_FALSE(all[0].modulus);
+    CHECK(materialsOf(Pack<3>{}).empty());
 }
 
 TEST_CASE("spheres smaller than a voxel are named, and averaged over a length") {

@@ -10,10 +10,6 @@
 
 namespace {
 
-bool isPng(const std::string& path) {
-    return contentOf(path).rfind("\x89PNG\r\n\x1a\n", 0) == 0;
-}
-
 PackJob drawn(const std::string& domain, const std::string& file) {
     PackJob recipe = recipeFor(domain, "uniform:1,2");
     recipe.preview.file = file;

@@ -15,6 +15,10 @@ inline std::string contentOf(const std::string& path) {
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
+inline bool isPng(const std::string& path) {
+    return contentOf(path).rfind("\x89PNG\r\n\x1a\n", 0) == 0;
+}
+
 /// Writes a whole file. An existing file is removed first: file systems flush a file that is
 /// truncated and rewritten to the disk at once, which would dominate the time of thousands of
 /// variants.

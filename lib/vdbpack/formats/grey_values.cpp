@@ -157,6 +157,8 @@ void addSamples(const GreyRecipe& recipe, const DomainRecipe& domain, Pack<Dim>&
 constexpr int kMostClasses = 1'000'000;
 /// The least density that a calibration gives, kg/m³: about that of air.
 constexpr double kLeastDensity = 1;
+/// More than any bone, tooth or ceramic has, kg/m³.
+constexpr double kMostDensity = 6000;
 
 /// Densities of all spheres, and which are those of their part alone.
 struct Densities {
@@ -174,7 +176,7 @@ Densities densitiesOf(const GreyRecipe& recipe, const PartProperties& parts,
                                          recipe.calibration, quotedExcerpt(line.column)));
     const Materials materials(pack);
     Densities densities{grey->numbers, std::vector<std::uint8_t>(grey->numbers.size())};
-    std::size_t unknown = 0, low = 0;
+    std::size_t unknown = 0, low = 0, high = 0;
     for (std::size_t i = 0; i < densities.all.size(); ++i) {
         double& density = densities.all[i];
         if (const auto own = parts.density.find(materials.withoutClass(i));
@@ -189,6 +191,7 @@ Densities densitiesOf(const GreyRecipe& recipe, const PartProperties& parts,
             continue;
         }
         density = line.slope * density + line.intercept;
+        high += density > kMostDensity;
         if (density >= kLeastDensity) continue;
         ++low;
         density = kLeastDensity;
@@ -202,6 +205,11 @@ Densities densitiesOf(const GreyRecipe& recipe, const PartProperties& parts,
             "`calibration` {} gives {} of {} spheres less than {:g} kg/m³, which they have now. "
             "Check slope and intercept, or whether fat and air belong to the domain",
             recipe.calibration, low, densities.all.size(), kLeastDensity));
+    if (high > 0)
+        callbacks.warn(fmt::format(
+            "`calibration` {} gives {} of {} spheres more than {:g} kg/m³, which no bone has. "
+            "Check that slope and intercept give kg/m³, and not g/cm³ or mg/cm³ by a thousand",
+            recipe.calibration, high, densities.all.size(), kMostDensity));
     return densities;
 }
 

@@ -65,6 +65,16 @@ double pointVoxelSize(double count, double measure, int dim) {
     return std::exp2(std::round(std::log2(8 * measure / count) / dim));
 }
 
+void requireVdbVoxel(double edge, Unit unit, const std::string& file) {
+    const double written = fromMillimeters(edge, unit);
+    if (!(written > 0) || written >= kSmallestVdbVoxel) return;
+    throw ParameterError(fmt::format(
+        "{}: voxels of {:.4g} {} are too small for OpenVDB, which takes none below {:.3g}: set "
+        "`outUnit` to {}, or larger voxels",
+        file, written, unitName(unit), kSmallestVdbVoxel,
+        unit == Unit::millimeter || unit == Unit::micrometer ? "um" : "mm"));
+}
+
 std::string generatorWith(const std::string& program, const PackOrigin& origin) {
     std::string text = program;
     if (!origin.axes.empty()) text += kAxesWord + origin.axes;

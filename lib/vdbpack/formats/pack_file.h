@@ -28,6 +28,14 @@ struct TriangleMesh;
 /// @param measure  volume (2D: area) that they fill, length^Dim.
 double pointVoxelSize(double count, double measure, int dim);
 
+/// Edge of the smallest voxel that OpenVDB takes, in the unit of its file: it refuses transforms
+/// with a determinant below 3e-15 (openvdb/math/Maps.h, of any version).
+inline constexpr double kSmallestVdbVoxel = 1.45e-5;
+
+/// Refuses voxels of level sets that a file cannot hold. @param edge  mm.
+/// @throws ParameterError naming the file, the edge in its unit and the remedy
+void requireVdbVoxel(double edge, Unit unit, const std::string& file);
+
 /// Density of the spheres where none is given, kg/m³: the density of water.
 inline constexpr double kDefaultDensity = 1000;
 

@@ -90,7 +90,10 @@ std::vector<std::string> packPrefixes() {
 PackTarget targetToWrite(const std::string& file, int dim) {
     PackTarget t = target(file, true);
     if (!isWritten(t))
-        throw ParameterError(file + ": this format is read but not written; " + formatList(true));
+        throw ParameterError(file +
+                             ": this format is read but not written (programs without a loader "
+                             "read .csv, and bonds from bonds:FILE.csv); " +
+                             formatList(true));
     if (t.format == PackFormat::svg && dim == 3)
         throw ParameterError(
             file + ": is a picture of circles; for spheres write .vtp or .vdb, or set `slice` z=V");

@@ -2,6 +2,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/field/band_width.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_view.h"
@@ -72,7 +73,8 @@ public:
 };
 
 /// A copy of the level set with a tree of its own, lengths of its transform in `unit`.
-openvdb::FloatGrid::Ptr copyIn(const VdbGrid& levelSet, Unit unit) {
+openvdb::FloatGrid::Ptr copyIn(const VdbGrid& levelSet, Unit unit, const std::string& file) {
+    requireVdbVoxel(voxelSizeOf(levelSet), unit, file);
     const auto grid = levelSet.grid->deepCopy();
     grid->setTransform(levelSet.grid->transform().copy());
     grid->transform().postScale(fromMillimeters(1.0, unit));
@@ -94,12 +96,12 @@ void scaleValues(openvdb::FloatTree& tree, double scale) {
 }
 
 /// The level set in `unit`; shares the tree of `levelSet` if that is mm.
-openvdb::FloatGrid::Ptr levelSetIn(const VdbGrid& levelSet, Unit unit) {
+openvdb::FloatGrid::Ptr levelSetIn(const VdbGrid& levelSet, Unit unit, const std::string& file) {
     openvdb::FloatGrid::Ptr grid;
     if (unit == Unit::millimeter) {
         grid = levelSet.grid->copy();
     } else {
-        grid = copyIn(levelSet, unit);
+        grid = copyIn(levelSet, unit, file);
         scaleValues(grid->tree(), fromMillimeters(1.0, unit));
     }
     grid->setName(levelSet.grid->getName());
@@ -123,7 +125,7 @@ void writeGrids(const PackWriteOptions& options, const std::vector<openvdb::Grid
             grids.push_back(grid);
     };
     for (const auto& set : options.levelSets)
-        if (set && set->grid) add(levelSetIn(*set, options.unit));
+        if (set && set->grid) add(levelSetIn(*set, options.unit, out.path()));
     for (const auto& grid : others) add(grid);
 
     // A stream that throws on failure, to report a full disk.
@@ -156,7 +158,7 @@ void writeFog(const VdbGrid& levelSet, const std::string& file, const PackWriteO
     OutputFile out(file);
     initializeOpenVdb();
     // Values are fractions of the depth of the band, without a unit; voxels have one.
-    const auto grid = copyIn(levelSet, options.unit);
+    const auto grid = copyIn(levelSet, options.unit, file);
     makeFog(*grid);
     grid->setName("density");
     PackWriteOptions alone = options;

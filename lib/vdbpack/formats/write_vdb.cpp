@@ -104,7 +104,8 @@ double chooseVoxel(const PackView& pack, double wanted) {
         extent = std::max(extent, size[d]);
         reach = std::max({reach, std::abs(bounds.lo[d]), std::abs(bounds.hi[d])});
     }
-    while (extent / voxel > kLeafDim * (kLeavesPerAxis - 2) || reach / voxel > kMaxCoordinate)
+    while (voxel < kSmallestVdbVoxel || extent / voxel > kLeafDim * (kLeavesPerAxis - 2) ||
+           reach / voxel > kMaxCoordinate)
         voxel *= 2;
     return voxel;
 }

@@ -47,7 +47,7 @@ std::string similarWord(const std::string& word, const std::vector<std::string>&
     const auto found = std::find(small.begin(), small.end(), like);
     return like.empty()
                ? ""
-               : "; did you mean " + words[static_cast<std::size_t>(found - small.begin())] + "?";
+               : " (did you mean " + words[static_cast<std::size_t>(found - small.begin())] + "?)";
 }
 
 std::string similarFile(const std::string& path) {

@@ -15,7 +15,7 @@ std::size_t editDistance(const std::string& a, const std::string& b);
 /// it. Empty if there is none.
 std::string mostLike(const std::string& word, const std::vector<std::string>& words);
 
-/// "; did you mean WORD?" with the word most like another one, whatever their capitals; empty if
+/// " (did you mean WORD?)" with the word most like another one, whatever their capitals; empty if
 /// there is none.
 std::string similarWord(const std::string& word, const std::vector<std::string>& words);
 

@@ -13,6 +13,7 @@
 #include <cctype>
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <optional>
 #include <sstream>
@@ -169,7 +170,7 @@ void requireShallow(const std::string& text, const std::string& file) {
     for (const std::string& line : splitAt(text, '\n'))
         if (!startsWith(line, "#")) dots += std::count(line.begin(), line.end(), '.');
     if (dots > kMostDots)
-        throw CLI::ConfigError(
+        throw InputError(
             fmt::format("{}: has more than {} dots and is not a recipe; give options of a "
                         "command, each by its name",
                         file, kMostDots));
@@ -189,6 +190,16 @@ std::string remedyFor(const std::string& line) {
     for (const std::string_view plain : {"true", "false", "inf", "nan"})
         if (word == plain) return {};
     return beginsAsText ? fmt::format(". Write texts in quotes: {} = \"{}\"", name, word) : "";
+}
+
+/// What is wrong with a text that is no TOML, with its line and what to do.
+std::string refusalOf(const toml::parse_error& e, const std::string& file,
+                      const std::string& text) {
+    const auto line = e.source().begin.line;
+    auto lines = splitAt(text, '\n');
+    lines.resize(std::max<std::size_t>(lines.size(), line));
+    return fmt::format("{}: line {}: {}{}", file, line, e.description(),
+                       line > 0 ? remedyFor(lines[line - 1]) : "");
 }
 
 /// As a value of TOML: a number without quotes where it is read back as the same text.
@@ -232,11 +243,7 @@ std::vector<CLI::ConfigItem> RecipeFormat::from_config(std::istream& input) cons
     } catch (const InputError& e) {
         throw CLI::ConfigError(e.what());
     } catch (const toml::parse_error& e) {
-        const auto line = e.source().begin.line;
-        auto lines = splitAt(text, '\n');
-        lines.resize(std::max<std::size_t>(lines.size(), line));
-        throw CLI::ConfigError(fmt::format("{}: line {}: {}{}", file, line, e.description(),
-                                           line > 0 ? remedyFor(lines[line - 1]) : ""));
+        throw CLI::ConfigError(refusalOf(e, file, text));
     }
 }
 
@@ -299,8 +306,11 @@ PartWords partOf(const toml::table& table, const std::string& file, FileLookup f
 std::vector<PartWords> readPartsFile(const std::string& file, FileLookup fileIn) {
     requireThere(file);
     std::vector<PartWords> parts;
+    std::ifstream input(file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(input), {}};
     try {
-        const toml::table all = toml::parse_file(file);
+        requireShallow(text, file);
+        const toml::table all = toml::parse(text);
         for (const auto& [key, value] : all)
             if (key.str() != "part")
                 throw InputError(fmt::format("{}: line {}: '{}' is not [[part]]", file,
@@ -310,8 +320,7 @@ std::vector<PartWords> readPartsFile(const std::string& file, FileLookup fileIn)
                 if (const auto* table = node.as_table())
                     parts.push_back(partOf(*table, file, fileIn));
     } catch (const toml::parse_error& e) {
-        throw InputError(fmt::format("{}: line {}: {}", file, e.source().begin.line,
-                                     std::string(e.description())));
+        throw InputError(refusalOf(e, file, text));
     }
     if (parts.empty())
         throw InputError(file + ": has no part; write a table [[part]] with `domain` for each");

@@ -45,6 +45,13 @@ struct PartReport {
     std::map<std::int32_t, double> densities{};  ///< by region, kg/m³; empty: one, or none
 };
 
+/// What the spheres of a part are made of: least, middle and largest of their own values.
+struct MaterialReport {
+    std::string part;                                ///< empty: a pack without parts
+    std::optional<std::array<double, 3>> density{};  ///< kg/m³
+    std::optional<std::array<double, 3>> modulus{};  ///< Young's modulus, MPa
+};
+
 /// All fields of the JSON report; lengths in mm, 2D: area for volume, circles for spheres.
 struct Report {
     int dim = 3;
@@ -127,6 +134,7 @@ struct Report {
     std::vector<PartReport> parts;           ///< empty: the pack has one domain
     std::uint64_t contactsBetweenParts = 0;  ///< pairs
     std::vector<InterfaceReport> interfaces;
+    std::vector<MaterialReport> materials;  ///< where spheres have densities or moduli of their own
 
     std::optional<VoidReport> voids;  ///< nothing if neither voids nor a shell were requested
 

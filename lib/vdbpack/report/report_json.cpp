@@ -167,6 +167,18 @@ Json spheresJson(const Report& r) {
     return json;
 }
 
+Json materialsJson(const Report& r) {
+    const auto range = [](const std::optional<std::array<double, 3>>& of) {
+        return of ? Json{{"min", (*of)[0]}, {"median", (*of)[1]}, {"max", (*of)[2]}} : Json();
+    };
+    Json all = Json::array();
+    for (const MaterialReport& m : r.materials)
+        all.push_back({{"part", m.part.empty() ? Json() : Json(m.part)},
+                       {"density", range(m.density)},
+                       {"modulus", range(m.modulus)}});
+    return all;
+}
+
 }  // namespace
 
 nlohmann::ordered_json toJson(const Report& r) {
@@ -222,6 +234,7 @@ nlohmann::ordered_json toJson(const Report& r) {
                                           {"bondsPerArea", i.perArea()},
                                           {"bulkBondsPerArea", i.bulk}});
     }
+    if (!r.materials.empty()) json["materials"] = materialsJson(r);
     for (const auto& [name, value] : r.seconds.stages()) json["seconds"][name] = value;
     json["seconds"]["total"] = r.seconds.total;
     json["peakMemoryBytes"] = r.peakMemoryBytes;

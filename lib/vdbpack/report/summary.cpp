@@ -126,6 +126,32 @@ void addContacts(Summary& out, const Report& r, const DimensionWords& words) {
                              c.modulusRatio));
 }
 
+void addMaterials(Summary& out, const Report& r) {
+    constexpr std::size_t kShown = 6;
+    const auto number = [](double x) {
+        return x < 1e4 ? fmt::format("{:.4g}", x) : grouped(static_cast<std::uint64_t>(x + 0.5));
+    };
+    for (std::size_t k = 0; k < std::min(kShown, r.materials.size()); ++k) {
+        const MaterialReport& m = r.materials[k];
+        std::vector<std::string> texts;
+        const auto add = [&](const char* name, const auto& of, const char* unit) {
+            if (!of) return;
+            const auto& [least, middle, most] = *of;
+            texts.push_back(least == most
+                                ? fmt::format("{} {} {}", name, number(least), unit)
+                                : fmt::format("{} {} to {} {}, median {}", name, number(least),
+                                              number(most), unit, number(middle)));
+        };
+        add("density", m.density, "kg/m³");
+        add("Young's modulus", m.modulus, "MPa");
+        out.line(k == 0 ? "material" : "",
+                 (m.part.empty() ? "" : m.part + ": ") + fmt::format("{}", fmt::join(texts, "; ")));
+    }
+    if (r.materials.size() > kShown)
+        out.line("", fmt::format("and {} more parts, which a report as .json lists",
+                                 r.materials.size() - kShown));
+}
+
 void addParts(Summary& out, const Report& r) {
     if (r.parts.empty()) return;
     for (const PartReport& p : r.parts) {
@@ -353,6 +379,7 @@ std::string summary(const Report& r) {
     if (r.densified) addDensified(out, r, words);
     if (r.voids) addVoids(out, r, words);
     addParts(out, r);
+    addMaterials(out, r);
     addChecks(out, r, words);
     if (r.task == "verify")
         out.line("verdict", failedChecks(r).any() ? "FAILED"

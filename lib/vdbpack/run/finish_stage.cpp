@@ -139,6 +139,7 @@ void write(Run<Dim>& run) {
     if (have.pack)
         keepDensities(run.pack, run.pack.spheres.size(), have.options.particleDensity,
                       have.options.materialDensity);
+    if (have.pack && !run.ranks()) report.materials = materialsOf(run.pack);
     report.files = run.ranks()
                        ? writeOverRanks(outputs, have,
                                         PackShare<Dim>{run.ranks(), run.pack, run.share.spans,

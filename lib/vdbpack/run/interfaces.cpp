@@ -125,6 +125,15 @@ std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance) {
 }
 
 void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callbacks& callbacks) {
+    constexpr double kThinnest = 0.02, kThickest = 2, kMostShear = 5;
+    if (law.radiusFactor < kThinnest || law.radiusFactor > kThickest)
+        callbacks.warn(fmt::format(
+            "`bond-radius` {:g} is a factor on the smaller sphere's radius, usually 0.2 "
+            "to 1, and no length; stiffness grows with its square",
+            law.radiusFactor));
+    if (law.shearRatio > kMostShear)
+        callbacks.warn(fmt::format("`bond-shear` {:g} is the ratio k_t / k_n, usually 0 to 1",
+                                   law.shearRatio));
     constexpr double kLeast = 20, kMost = 1e6;
     const Column* own = columnOfNumbers(pack, kModulusColumn);
     if (own && own->numbers.empty()) return;
@@ -139,6 +148,34 @@ void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callback
         !own               ? ""
         : *middle < kLeast ? " or less"
                            : " or more"));
+}
+
+std::vector<MaterialReport> materialsOf(const PackAttributes& pack) {
+    const Column* density = columnOfNumbers(pack, kDensityColumn);
+    const Column* modulus = columnOfNumbers(pack, kModulusColumn);
+    const Column* part = columnOfNumbers(pack, kPartColumn);
+    if (!density && !modulus) return {};
+    const auto names = partNames(pack);
+    std::map<std::int64_t, MaterialReport> found;
+    const auto add = [&](const Column* column, auto MaterialReport::*value) {
+        std::map<std::int64_t, std::vector<double>> own;
+        for (std::size_t i = 0; column && i < column->numbers.size(); ++i)
+            own[part ? static_cast<std::int64_t>(part->numbers[i]) : 0].push_back(
+                column->numbers[i]);
+        for (auto& [k, of] : own) {
+            std::sort(of.begin(), of.end());
+            found[k].*value = {of.front(), of[of.size() / 2], of.back()};
+        }
+    };
+    add(density, &MaterialReport::density);
+    add(modulus, &MaterialReport::modulus);
+    std::vector<MaterialReport> all;
+    for (auto& [k, one] : found) {
+        const auto n = static_cast<std::size_t>(k);
+        if (part) one.part = n < names.size() ? names[n] : fmt::format("part {}", k);
+        all.push_back(std::move(one));
+    }
+    return all;
 }
 
 void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,
@@ -192,7 +229,8 @@ void measureInterfaces(const Parts& parts, Run<3>& all) {
     const auto bonds = bondsIn(all.pack, bondOptionsOf(all.settings));
     auto byParts = bondsByParts(bonds, columnOfNumbers(all.pack, kPartColumn)->numbers);
     const auto& outputs = all.settings.outputs;
-    const bool bonded = std::any_of(outputs.begin(), outputs.end(),
+    const bool bonded = columnOfNumbers(all.pack, kModulusColumn) ||
+                        std::any_of(outputs.begin(), outputs.end(),
                                     [](const OutputTarget& output) { return output.listsPairs(); });
     for (std::size_t k = 0; k + 1 < parts.size(); ++k) {
         const auto& inner = parts[k].source->mesh();

@@ -9,8 +9,11 @@ namespace vdbpack {
 std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance);
 
 /// Warns where half of the spheres have Young's moduli, or bonds one, that no material of bones and
-/// implants has: in another unit than MPa.
+/// implants has: in another unit than MPa; and of factors of bonds that are none.
 void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callbacks& callbacks);
+
+/// The densities and moduli that the spheres of each part have of their own.
+std::vector<MaterialReport> materialsOf(const PackAttributes& pack);
 
 /// Warns of a tolerance between parts where a pack has none and states none, and of a modulus of
 /// bonds where all spheres have their own.
@@ -23,8 +26,8 @@ void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
                       const Callbacks& callbacks);
 
 /// Lists the interfaces between parts in the report of their joined pack, with their bonds (of
-/// `RunSettings::bonds`). Warns, where outputs list pairs, of interfaces with fewer than half as
-/// many bonds per area as a plane through the weaker of their parts cuts.
+/// `RunSettings::bonds`). Warns, where outputs list pairs or spheres have moduli, of interfaces
+/// with fewer than half as many bonds per area as a plane through the weaker of their parts cuts.
 void measureInterfaces(const Parts& parts, Run<3>& all);
 
 }  // namespace vdbpack

@@ -202,6 +202,12 @@ void requireResources(const Estimate& e, double limit) {
 }
 
 void requireResources(const Extent& extent, const RunSettings& settings) {
+    for (const OutputTarget& output : settings.outputs)
+        if (output.kind == OutputKind::blender ||
+            (output.isSolid() && output.extension() == ".vdb"))
+            for (const double voxel :
+                 {extent.field.voxelSize, extent.voids.voxelSize, extent.shapeVoxel})
+                requireVdbVoxel(voxel, settings.outUnit, output.file);
     requireResources(estimate(extent, settings), settings.memoryLimit);
 }
 

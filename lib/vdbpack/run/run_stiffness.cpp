@@ -25,6 +25,10 @@ constexpr int kMostTries = 12;
 constexpr double kHeld = 0.97;
 /// Share of the box around the spheres that they fill if it is their domain, at least.
 constexpr double kFillsBox = 0.48;
+/// Spheres at the wall, and the share of it that they cover: a pack has at least these. A dense one
+/// covers half of its wall, one with a fifth of its solid a tenth.
+constexpr std::uint64_t kFewHeld = 20;
+constexpr double kLeastCovered = 0.04;
 /// Tolerance from which on bonds cross gaps.
 constexpr double kWideGaps = 0.05;
 
@@ -54,6 +58,23 @@ void warnOfEmptyEnds(const Pack<3>& pack, const Box<3>& bounds, const std::strin
     }
 }
 
+/// Warns where the boundary holds less of a pack than the wall of its domain would.
+void warnOfFewHeld(const Pack<3>& pack, const BondedBody& body, double wall, bool named,
+                   const Callbacks& callbacks) {
+    std::uint64_t held = 0;
+    double covered = 0;
+    for (std::size_t i = 0; i < body.boundary.size(); ++i)
+        if (body.boundary[i]) {
+            ++held;
+            covered += Measure<2>::ball(pack.spheres[i].radius);
+        }
+    if (held >= kFewHeld && covered >= kLeastCovered * wall) return;
+    callbacks.warn(fmt::format(
+        "only {} spheres, on {:.2g} % of the wall, move with the boundary, which tells little of "
+        "the pack; set the `domain` of the pack{}, or a larger `boundary`",
+        held, 100 * covered / wall, named ? "" : ", of a periodic one its cell"));
+}
+
 /// What the spheres fill, in which cell, and which of them are at its wall.
 void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
                  StiffnessResult& result, const Callbacks& callbacks) {
@@ -64,11 +85,13 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
     const DomainRecipe named = domainOf(recipe, pack);
     const auto source = domainAround(named, 3, callbacks);
     std::vector<double> depths;
+    double wall = 0;
     if (source) {
         requireSameAxes(recipe.pack, pack.origin, *source);
         const auto built =
             buildAround(source, 3, radius, centers.size(), radius.max + reach, recipe, callbacks);
         body.volume = built.space->volume();
+        wall = built.space->wallArea();
         if (built.space->cell().any()) pack.cell = built.space->cell();
         result.body = describe(named);
         if (named.clips.empty())  // else the bounds are wider than the clipped domain
@@ -77,6 +100,8 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
     } else {
         const Box<3> box = boxAround(pack);
         body.volume = box.volume();
+        const Vec<3> size = box.size();
+        wall = 2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0]);
         result.body = "the box around the spheres; give `domain` for that of a body";
         double filled = 0;
         for (const auto& s : pack.spheres) filled += Measure<3>::ball(s.radius);
@@ -86,9 +111,10 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
                             "cross-section are not theirs; set the `domain` of the pack",
                             filled / body.volume));
         for (const auto& x : centers) {
-            double wall = box.lo[0] - x[0];
-            for (int d = 0; d < 3; ++d) wall = std::max({wall, box.lo[d] - x[d], x[d] - box.hi[d]});
-            depths.push_back(wall);
+            double depth = box.lo[0] - x[0];
+            for (int d = 0; d < 3; ++d)
+                depth = std::max({depth, box.lo[d] - x[d], x[d] - box.hi[d]});
+            depths.push_back(depth);
         }
     }
     if (source) warnOfOutside(depths, result.body, callbacks);
@@ -98,6 +124,7 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
         body.boundary[i] = -depths[i] - pack.spheres[i].radius <= reach;
         result.boundary += body.boundary[i];
     }
+    if (!repeats && !recipe.press) warnOfFewHeld(pack, body, wall, source.has_value(), callbacks);
 }
 
 /// Warns of spheres that nothing holds: no chain of bonds leads from them to the boundary, or,
@@ -131,16 +158,10 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     const auto bonds = bondsIn(pack, options);
     body.pack = &pack;
     body.bonds = &bonds;
-    constexpr std::uint64_t kFewHeld = 20;
     if (result.bonds == 0) {
         warnOfLoose(bonds, body, callbacks);
         warnOfLooseParts(pack, bonds, callbacks);
     }
-    if (result.bonds == 0 && !body.boundary.empty() && result.boundary < kFewHeld)
-        callbacks.warn(fmt::format(
-            "only {} spheres move with the boundary, which tells little of the pack; set the "
-            "`domain` of the pack, or a larger `boundary`",
-            result.boundary));
     result.bonds = bonds.size();
     result.law = options.law;
     result.apparent = apparentStiffness(body, callbacks);
