@@ -109,6 +109,16 @@ TEST_CASE("a dry run refuses what a run does, and says what densifying cannot re
     recipe.outputs = {};
     recipe.radius = SizeRequest::parse("uniform:30,40");
     CHECK_THROWS_AS(dryRunPack(recipe), InputError);
+    // A plate that lies askew is thinner than the box around it.
+    const TemporaryFolder folder;
+    writeObj(rotated(boxMesh({{-10, -10, -0.5}}, {{10, 10, 0.5}}), {{1, 0, 0}}, 0.8),
+             folder.file("plate.obj"));
+    PackJob plate = recipeFor(folder.file("plate.obj"), "uniform:0.1,0.2");
+    plate.request.shell = 0.3;
+    CHECK_NOTHROW(dryRunPack(settled(plate)));
+    plate.request.shell = 2;
+    CHECK_THAT(messageOf<InputError>([&] { dryRunPack(settled(plate)); }),
+               Contains("`shell` 2 mm") && Contains("deepest"));
 }
 
 TEST_CASE("a dry run of parts predicts them together") {

@@ -104,7 +104,7 @@ TEST_CASE("level sets whose voxels OpenVDB cannot hold in a unit are refused bef
     voids.outUnit = Unit::micrometer;
     CHECK_NOTHROW(runVoids(voids));
     // Points have no such bound: the voxels that sort them may be larger.
-    auto pack = recipeFor("ball:0.3", "uniform:0.01,0.02", "points:" + folder.file("p.vdb"));
+    auto pack = recipeFor("ball:0.3", "uniform:0.01,0.02", folder.file("p.vdb"));
     pack.outUnit = Unit::meter;
     const Pack<3> made = std::get<Pack<3>>(runPack(pack).pack);
     const Pack<3> read = readPack(folder.file("p.vdb"));

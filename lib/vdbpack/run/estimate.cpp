@@ -356,7 +356,7 @@ void addVoids(Extent& e, const VoidRecipe& asked, double largestRadius) {
 
 PackPlan planPack(const PackRecipe& recipe, const DomainSource& source, bool closer) {
     constexpr double kQuickVoxels = 6e7;  // about a second of a processor
-    requireShell(shellRange(recipe.voids).first, source);
+    requireShell(shellRange(recipe.voids).first, source, closer);
     requireRepeating(source, recipe.voids);
     const int dim = source.dim();
     PackPlan plan{requestedSizes(recipe, dim)};

@@ -202,12 +202,15 @@ void requireResources(const Estimate& e, double limit) {
 }
 
 void requireResources(const Extent& extent, const RunSettings& settings) {
-    for (const OutputTarget& output : settings.outputs)
-        if (output.kind == OutputKind::blender ||
-            (output.isSolid() && output.extension() == ".vdb"))
-            for (const double voxel :
-                 {extent.field.voxelSize, extent.voids.voxelSize, extent.shapeVoxel})
-                requireVdbVoxel(voxel, settings.outUnit, output.file);
+    for (const OutputTarget& output : settings.outputs) {
+        if (output.kind != OutputKind::blender &&
+            !(output.isSolid() && output.extension() == ".vdb"))
+            continue;
+        const bool isMesh = extent.field.triangles > 0, isShape = isShapeLevelSet(output);
+        for (const double voxel : {isMesh ? extent.field.voxelSize : 0, extent.voids.voxelSize,
+                                   isShape ? extent.shapeVoxel : 0})
+            requireVdbVoxel(voxel, settings.outUnit, output.file);
+    }
     requireResources(estimate(extent, settings), settings.memoryLimit);
 }
 

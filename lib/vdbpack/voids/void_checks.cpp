@@ -29,14 +29,16 @@ void requireVoidFields(const VoidRecipe& voids) {
     requireThere(field->file);
 }
 
-void requireShell(double shell, const DomainSource& source) {
+void requireShell(double shell, const DomainSource& source, bool closer) {
+    constexpr double kCoarse = 1.1;  // the field below is coarse
     if (!(shell > 0) || !source.isFile()) return;  // a shape has no field to be made
     const Vec<3> size = source.fileBounds().size();
     const double thin = *std::min_element(size.c.begin(), size.c.begin() + source.dim());
-    if (2 * shell < thin) return;
+    if (2 * shell < thin && !closer) return;
     const auto built = source.build(thin / 40, thin / 6);
     const double deepest =
         built.space ? largestBall(*built.space).radius : largestBall(*built.plane).radius;
+    if (shell < kCoarse * deepest) return;
     throw InputError(fmt::format(
         "`shell` {} mm: no part of the domain lies deeper than the shell; its deepest point lies "
         "{:.4g} mm below the wall; give a thinner shell, or check the unit of the domain",

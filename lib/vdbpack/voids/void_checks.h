@@ -10,8 +10,11 @@ namespace vdbpack {
 /// @throws ParameterError, IoError
 void requireVoidFields(const VoidRecipe& voids);
 
-/// Refuses a shell that is as thick as the domain before a field is made for it. @throws InputError
-void requireShell(double shell, const DomainSource& source);
+/// Refuses a shell that is as thick as the domain before a field is made for it.
+/// @param closer  makes a coarse field to find out, in less than a second; else the box around the
+///                domain says it.
+/// @throws InputError
+void requireShell(double shell, const DomainSource& source, bool closer = false);
 
 /// Refuses voids that a periodic cell cannot have, and a shell, since there is no wall around it.
 /// @throws ParameterError
