@@ -89,6 +89,26 @@ TEST_CASE("a boundary that holds less than a wall would is warned of, as are fac
     CHECK_THAT(vdbPack(walled).text, !Contains("warning"));
     CHECK_THAT(vdbPack(walled + " --bond-radius 30").text, Contains("--bond-radius 30"));
     CHECK_THAT(vdbPack(walled + " --bond-shear 40").text, Contains("--bond-shear 40"));
+    CHECK_THAT(vdbPack(walled + " --bond-strength 0.78").text, Contains("0.78 % write 0.0078"));
+    CHECK_THAT(vdbPack(walled + " --bond-strength 0.01 --bond-shear-strength 51").text,
+               Contains("--bond-shear-strength 51"));
+    CHECK_THAT(vdbPack(walled + " --bond-modulus-for 300,0.2 --bond-shear 0.3").text,
+               Contains("--bond-shear 0.3 has no effect"));
+}
+
+TEST_CASE("a cell or a box that is not the pack's is warned of") {
+    const TemporaryFolder folder;
+    REQUIRE(vdbPack("pack periodic:20,20,20 --radius uniform:0.8,1.6 --quiet -o " +
+                    folder.file("c.vtp") + " -o " + folder.file("c.csv"))
+                .code == 0);
+    const auto warned = [&](const std::string& words) {
+        return vdbPack("stiffness " + folder.file(words) + " --contact-tol 0.01").text;
+    };
+    CHECK_THAT(warned("c.vtp"), !Contains("warning"));
+    CHECK_THAT(warned("c.vtp --domain periodic:20,20,20"), !Contains("warning"));
+    CHECK_THAT(warned("c.vtp --domain periodic:20.5,20,20"), Contains("20 x 20 x 20 mm"));
+    CHECK_THAT(warned("c.csv --domain periodic:25,25,25"), Contains("the spheres reach through"));
+    CHECK_THAT(warned("c.csv --domain box:20,20,20"), Contains("the spheres reach through"));
 }
 
 TEST_CASE("bonds are written in the unit of lengths, forces in N") {

@@ -157,6 +157,8 @@ TEST_CASE("a file of parts that cannot be read is reported by line, with what to
     };
     CHECK_THAT(refusal("[[part]]\ndomain = \"ball:9\"\nlabel = vertebrae_L3\n"),
                Contains("p.toml: line 3") && Contains("label = \"vertebrae_L3\""));
+    CHECK_THAT(refusal("[[part]]\nlabel = 49+50 # body\n"), Contains("label = \"49+50\""));
+    CHECK_THAT(refusal("[part]\nname = \"a\"\n[part]\n"), Contains("[[part]]"));
     std::string dots = "a";
     for (int i = 0; i < 3000; ++i) dots += ".a";
     CHECK_THAT(refusal(dots + " = 1\n"), Contains("p.toml") && Contains("dots"));

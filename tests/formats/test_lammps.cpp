@@ -246,6 +246,20 @@ TEST_CASE("each touching pair is a bond between its atoms") {
     REQUIRE(readPack("lammps:" + file.path()).spheres == pack.spheres);
 }
 
+TEST_CASE("the title of a file of bonds states the tolerance of the bonds") {
+    PackWriteOptions options;
+    options.generator = "vdb_pack 1; axes RAS; contact tolerance 0.01";
+    options.bonds.tolerance = 0.05;
+    const TemporaryFolder folder;
+    Pack<3> pack;
+    pack.spheres = {{{{0, 0, 0}}, 1}, {{{2.04, 0, 0}}, 1}};
+    writePack(pack, "lammps-bonds:" + folder.file("b.data"), options);
+    writePack(pack, "lammps:" + folder.file("a.data"), options);
+    CHECK_THAT(contentOf(folder.file("b.data")),
+               Contains("axes RAS; contact tolerance 0.05;") && Contains("1 bonds"));
+    CHECK_THAT(contentOf(folder.file("a.data")), Contains("contact tolerance 0.01;"));
+}
+
 TEST_CASE("ids that LAMMPS cannot take are counted from one") {
     auto pack = touchingRow();
     pack.id =

@@ -84,6 +84,16 @@ TEST_CASE("each part has its own modulus, or the run is refused") {
     CHECK(*run.report.materials[1].modulus == std::array<double, 3>{110000, 110000, 110000});
     CHECK_FALSE(run.report.materials[1].density);
     CHECK_THAT(summary(run.report), Contains("screw: Young's modulus 110,000 MPa"));
+    CHECK_FALSE(mentions(run.report.warnings, "moduli are in MPa"));
+    recipe.parts[1].density = "4430";
+    for (const char* modulus : {"110", "110e9"}) {
+        recipe.parts[1].grey.modulus = modulus;
+        CHECK(mentions(runPack(recipe).report.warnings, "screw has a Young's modulus of"));
+    }
+    // Trabecular beside cortical bone.
+    recipe.parts[1].density.clear();
+    recipe.parts[1].grey.modulus = "200";
+    CHECK_FALSE(mentions(runPack(recipe).report.warnings, "moduli are in MPa"));
 }
 
 TEST_CASE("the report states least, middle and largest density and modulus of the spheres") {

@@ -208,7 +208,7 @@ Densities densitiesOf(const GreyRecipe& recipe, const PartProperties& parts,
     if (high > 0)
         callbacks.warn(fmt::format(
             "`calibration` {} gives {} of {} spheres more than {:g} kg/m³, which no bone has. "
-            "Check that slope and intercept give kg/m³, and not g/cm³ or mg/cm³ by a thousand",
+            "Check that slope and intercept give kg/m³, which is mg/cm³, and not g/m³",
             recipe.calibration, high, densities.all.size(), kMostDensity));
     return densities;
 }

@@ -157,11 +157,20 @@ BondRows bondRows(const PackView& pack, const BondOptions& options) {
     return rows;
 }
 
+/// What the title begins with. @param bonded  bonds have a tolerance of their own.
+std::string generatorOf(const PackWriteOptions& options, bool bonded) {
+    const std::string text = oneLine(options.generator);
+    if (!bonded || text.empty()) return text;
+    return generatorWith(
+        text.substr(0, text.find(';')),
+        {originIn(text).axes, options.bonds.tolerance, options.bonds.interfaceTolerance});
+}
+
 /// @param bonds  null: atoms alone.
 PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, const AllAtoms& all,
                       const std::shared_ptr<const Atoms>& atoms, const BondRows* bonds) {
     const bool isBpm = bonds && bonds->isBpm;
-    std::string title = oneLine(options.generator).substr(0, 100);
+    std::string title = generatorOf(options, bonds != nullptr).substr(0, 100);
     if (!title.empty()) title += "; ";
     title += fmt::format("atom_style {}; {}",
                          isBpm   ? "bpm/sphere"

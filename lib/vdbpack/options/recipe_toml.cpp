@@ -179,14 +179,18 @@ void requireShallow(const std::string& text, const std::string& file) {
 /// What to do about a line that is no TOML: values that are texts without quotes are what people
 /// write, `radius = uniform:1,2`.
 std::string remedyFor(const std::string& line) {
+    if (trimmed(line) == "[part]") return ". Write [[part]], in two brackets, for each part";
     const auto equals = line.find('=');
     if (equals == std::string::npos) return {};
     const std::string name(trimmed(std::string_view(line).substr(0, equals)));
     const std::string_view value = trimmed(std::string_view(line).substr(equals + 1));
+    const std::string_view word = value.substr(0, value.find_first_of(" \t#"));
+    // Also what begins as a number and goes on: 49+50, 22=vert.nii.gz, 0.5,1.
     const bool beginsAsText =
         !value.empty() && (std::isalpha(static_cast<unsigned char>(value.front())) != 0 ||
-                           std::string_view("./~").find(value.front()) != std::string_view::npos);
-    const std::string_view word = value.substr(0, value.find_first_of(" \t#"));
+                           std::string_view("./~").find(value.front()) != std::string_view::npos ||
+                           (std::isdigit(static_cast<unsigned char>(value.front())) != 0 &&
+                            word.find_first_of("+=,:/") != std::string_view::npos));
     for (const std::string_view plain : {"true", "false", "inf", "nan"})
         if (word == plain) return {};
     return beginsAsText ? fmt::format(". Write texts in quotes: {} = \"{}\"", name, word) : "";

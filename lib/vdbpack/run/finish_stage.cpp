@@ -132,13 +132,14 @@ void write(Run<Dim>& run) {
     }
     const BondOptions bonds = bondOptionsOf(settings);
     warnOfUnusedBonds(run.pack, run.pack.origin, bonds, run.callbacks);
-    warnOfModuli(run.pack, bonds.law, run.callbacks);
     run.pack.origin = {report.axes, bonds.tolerance,
                        std::max(bonds.interfaceTolerance, run.pack.origin.interfaceTolerance)};
     const RunOutputs<Dim> have = outputsOf(run);
     if (have.pack)
         keepDensities(run.pack, run.pack.spheres.size(), have.options.particleDensity,
                       have.options.materialDensity);
+    warnOfModuli(run.pack, bonds.law, run.callbacks);
+    warnOfBondLaw(bonds.law, run.callbacks);
     if (have.pack && !run.ranks()) report.materials = materialsOf(run.pack);
     report.files = run.ranks()
                        ? writeOverRanks(outputs, have,

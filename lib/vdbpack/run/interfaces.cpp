@@ -125,7 +125,38 @@ std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance) {
 }
 
 void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callbacks& callbacks) {
-    constexpr double kThinnest = 0.02, kThickest = 2, kMostShear = 5;
+    constexpr double kLeast = 20, kMost = 1e6, kDenserThanBone = 2500, kLeastOfDense = 2000;
+    const auto warn = [&](const std::string& whose, double modulus) {
+        callbacks.warn(fmt::format(
+            "{} a Young's modulus of {:.3g} MPa; moduli are in MPa, of bone tissue some 1,000 to "
+            "20,000, of titanium 110,000: check `modulus`, `bond-modulus` or `bond-modulus-for`",
+            whose, modulus));
+    };
+    const auto materials = materialsOf(pack);
+    const auto own = [](const MaterialReport& m) { return m.modulus.has_value(); };
+    if (std::none_of(materials.begin(), materials.end(), own) &&
+        (law.modulus < kLeast || law.modulus > kMost))
+        warn("bonds have", law.modulus);
+    for (const MaterialReport& m : materials) {
+        if (!m.modulus) continue;
+        const auto [least, middle, most] = *m.modulus;
+        // A metal in GPa; an implant softer than the bone whose moduli follow grey values.
+        const bool dense = m.density && (*m.density)[1] > kDenserThanBone;
+        const bool soft =
+            least == most &&
+            std::any_of(materials.begin(), materials.end(), [&](const MaterialReport& other) {
+                return other.modulus && other.modulus->front() < other.modulus->back() &&
+                       middle < (*other.modulus)[1];
+            });
+        if (middle < kLeast || middle > kMost || soft || (dense && middle < kLeastOfDense))
+            warn((m.part.empty() ? "the spheres have" : m.part + " has") +
+                     std::string(least < most ? " in the middle" : ""),
+                 middle);
+    }
+}
+
+void warnOfBondLaw(const BondLaw& law, const Callbacks& callbacks) {
+    constexpr double kThinnest = 0.02, kThickest = 2, kMostShear = 5, kMostStrain = 0.05;
     if (law.radiusFactor < kThinnest || law.radiusFactor > kThickest)
         callbacks.warn(fmt::format(
             "`bond-radius` {:g} is a factor on the smaller sphere's radius, usually 0.2 "
@@ -134,20 +165,17 @@ void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callback
     if (law.shearRatio > kMostShear)
         callbacks.warn(fmt::format("`bond-shear` {:g} is the ratio k_t / k_n, usually 0 to 1",
                                    law.shearRatio));
-    constexpr double kLeast = 20, kMost = 1e6;
-    const Column* own = columnOfNumbers(pack, kModulusColumn);
-    if (own && own->numbers.empty()) return;
-    std::vector<double> moduli = own ? own->numbers : std::vector<double>{law.modulus};
-    const auto middle = moduli.begin() + static_cast<std::ptrdiff_t>(moduli.size() / 2);
-    std::nth_element(moduli.begin(), middle, moduli.end());
-    if (!(*middle < kLeast || *middle > kMost)) return;
-    callbacks.warn(fmt::format(
-        "{} a Young's modulus of {:.3g} MPa{}; moduli are in MPa, of bone tissue some 1,000 to "
-        "20,000: check `modulus`, `bond-modulus` or `bond-modulus-for`",
-        own ? "half of the spheres have" : "bonds have", *middle,
-        !own               ? ""
-        : *middle < kLeast ? " or less"
-                           : " or more"));
+    if (law.breakingStrain.value_or(0) > kMostStrain)
+        callbacks.warn(fmt::format(
+            "`bond-strength` {:g} is the strain at which bonds break as a share, of bone "
+            "about 0.01: for {:g} % write {:g}",
+            *law.breakingStrain, *law.breakingStrain, *law.breakingStrain / 100));
+    if (law.shearStrength > kMostShear)
+        callbacks.warn(
+            fmt::format("`bond-shear-strength` {:g} is the strength in shear divided by that in "
+                        "tension, usually "
+                        "0.5 to 3",
+                        law.shearStrength));
 }
 
 std::vector<MaterialReport> materialsOf(const PackAttributes& pack) {

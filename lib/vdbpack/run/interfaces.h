@@ -8,9 +8,12 @@ namespace vdbpack {
 /// The pairs in contact of a pack whose spheres are in two parts, by their column `kPartColumn`.
 std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance);
 
-/// Warns where half of the spheres have Young's moduli, or bonds one, that no material of bones and
-/// implants has: in another unit than MPa; and of factors of bonds that are none.
+/// Warns where half of the spheres of a part have Young's moduli, or bonds one, that no material of
+/// bones and implants has, or an implant one that is less than that of its bone: in another unit.
 void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callbacks& callbacks);
+
+/// Warns of factors and shares of bonds that are lengths or percents.
+void warnOfBondLaw(const BondLaw& law, const Callbacks& callbacks);
 
 /// The densities and moduli that the spheres of each part have of their own.
 std::vector<MaterialReport> materialsOf(const PackAttributes& pack);

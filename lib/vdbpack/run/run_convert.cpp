@@ -55,6 +55,7 @@ void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptio
     warnOfUnusedBonds(recipe, callbacks);
     warnOfUnusedBonds(pack, pack.origin, options, callbacks);
     warnOfModuli(pack, options.law, callbacks);
+    warnOfBondLaw(options.law, callbacks);
     if (std::none_of(recipe.outputs.begin(), recipe.outputs.end(),
                      [](const OutputTarget& output) { return output.listsPairs(); }))
         return;

@@ -42,14 +42,16 @@ Box<3> boxAround(const Pack<3>& pack) {
     return box;
 }
 
-/// Warns of spheres that reach through a part of the domain only.
-void warnOfEmptyEnds(const Pack<3>& pack, const Box<3>& bounds, const std::string& domain,
-                     const Callbacks& callbacks) {
-    constexpr double kReaches = 0.8;
+/// Warns of spheres that reach through a part of the domain only, or, with `beyond`, out of it.
+void warnOfOtherEnds(const Pack<3>& pack, const Box<3>& bounds, const std::string& domain,
+                     bool beyond, const Callbacks& callbacks) {
+    constexpr double kReaches = 0.8, kReachesCell = 0.97, kBeyond = 1.02;
     const Vec<3> size = boxAround(pack).size();
     for (int d = 0; d < 3; ++d) {
         const double share = size[d] / bounds.size()[d];
-        if (!(share < kReaches)) continue;
+        const bool wraps = pack.cell.isAlong(d);
+        if (share >= (wraps ? kReachesCell : kReaches) && (wraps || !beyond || share <= kBeyond))
+            continue;
         callbacks.warn(
             fmt::format("the spheres reach through {:.0f} % of {} along {}, so that its volume and "
                         "cross-section are not theirs; check `domain`, `label`, `mask` and `clip`",
@@ -75,6 +77,17 @@ void warnOfFewHeld(const Pack<3>& pack, const BondedBody& body, double wall, boo
         held, 100 * covered / wall, named ? "" : ", of a periodic one its cell"));
 }
 
+/// Warns of a periodic cell other than the one that the file of a pack states.
+void warnOfOtherCell(const std::string& file, const PeriodicCell<3>& stated,
+                     const PeriodicCell<3>& named, const Callbacks& callbacks) {
+    const Vec<3> own = stated.box.size();
+    if (stated.any() && length(named.box.size() - own) > 1e-6 * length(own))
+        callbacks.warn(fmt::format(
+            "{}: states a periodic cell of {:.6g} x {:.6g} x {:.6g} mm, which `domain` is not; "
+            "leave `domain` out",
+            file, own[0], own[1], own[2]));
+}
+
 /// What the spheres fill, in which cell, and which of them are at its wall.
 void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
                  StiffnessResult& result, const Callbacks& callbacks) {
@@ -92,11 +105,15 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
             buildAround(source, 3, radius, centers.size(), radius.max + reach, recipe, callbacks);
         body.volume = built.space->volume();
         wall = built.space->wallArea();
-        if (built.space->cell().any()) pack.cell = built.space->cell();
+        if (const PeriodicCell<3> cell = built.space->cell(); cell.any()) {
+            warnOfOtherCell(recipe.pack, pack.cell, cell, callbacks);
+            pack.cell = cell;
+        }
         result.body = describe(named);
-        if (named.clips.empty())  // else the bounds are wider than the clipped domain
-            warnOfEmptyEnds(pack, built.space->bounds(), result.body, callbacks);
         depths = built.space->signedDistances(centers);
+        const bool elsewhere = warnOfOutside(depths, result.body, callbacks);
+        if (named.clips.empty())  // else the bounds are wider than the clipped domain
+            warnOfOtherEnds(pack, built.space->bounds(), result.body, !elsewhere, callbacks);
     } else {
         const Box<3> box = boxAround(pack);
         body.volume = box.volume();
@@ -117,7 +134,6 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
             depths.push_back(depth);
         }
     }
-    if (source) warnOfOutside(depths, result.body, callbacks);
     const bool repeats = pack.cell.isAlong(0) && pack.cell.isAlong(1) && pack.cell.isAlong(2);
     body.boundary.assign(repeats ? 0 : centers.size(), 0);
     for (std::size_t i = 0; i < body.boundary.size(); ++i) {
@@ -361,6 +377,11 @@ StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& cal
         else
             solve(pack, options, body, result, heard);
         warnOfModuli(pack, options.law, heard);
+        warnOfBondLaw(options.law, heard);
+        if (recipe.fits && !recipe.press && recipe.bonds.law.shearRatio != BondLaw().shearRatio)
+            heard.warn(
+                fmt::format("`bond-shear` {:g} has no effect: `bond-modulus-for` E,NU finds it",
+                            recipe.bonds.law.shearRatio));
         result.seconds.measure = clock.lap();
         RunOutputs<3> have;
         have.pack = &pack;

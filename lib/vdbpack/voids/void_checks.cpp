@@ -30,7 +30,7 @@ void requireVoidFields(const VoidRecipe& voids) {
 }
 
 void requireShell(double shell, const DomainSource& source, bool closer) {
-    constexpr double kCoarse = 1.1;  // the field below is coarse
+    constexpr double kCoarse = 1.1;                // the field below is coarse
     if (!(shell > 0) || !source.isFile()) return;  // a shape has no field to be made
     const Vec<3> size = source.fileBounds().size();
     const double thin = *std::min_element(size.c.begin(), size.c.begin() + source.dim());
