@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 92598},
+    {"lib", 92620},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2505},
     {"lib/vdbpack/io", 2961},
@@ -42,9 +42,9 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3560},
-    {"lib/vdbpack/run", 7040},
+    {"lib/vdbpack/run", 7062},
     {"tools", 3842},
-    {"tests", 35050},
+    {"tests", 35055},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -168,6 +168,27 @@ void warnOfLoose(const std::vector<Bond>& bonds, const BondedBody& body,
                         100 * share, body.boundary.empty() ? "one another" : "the boundary"));
 }
 
+/// Warns of bonds across the faces of a periodic cell that show another size than the pack's.
+void warnOfCellFit(const Pack<3>& pack, const std::vector<Bond>& bonds,
+                   const Callbacks& callbacks) {
+    for (int d = 0; d < 3; ++d) {
+        if (!pack.cell.isAlong(d)) continue;
+        const double side = pack.cell.box.size()[d];
+        bool joined = false, overlaps = false;
+        for (const Bond& b : bonds) {
+            const Sphere<3>&i = pack.spheres[b.i], &j = pack.spheres[b.j];
+            if (std::abs((j.center - i.center - b.direction * b.length)[d]) < side / 2) continue;
+            joined = true;
+            overlaps |= b.length < i.radius + j.radius - 0.2 * std::min(i.radius, j.radius);
+        }
+        if (overlaps || !joined)
+            callbacks.warn(fmt::format(
+                "{} across the faces of the periodic cell along {}, whose {:.6g} mm are not the "
+                "pack's; check `domain`",
+                overlaps ? "spheres overlap" : "no bond leads", "xyz"[d], side));
+    }
+}
+
 /// Solves once. @return the Poisson's ratio of the isotropic average
 double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
              StiffnessResult& result, const Callbacks& callbacks) {
@@ -177,6 +198,7 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     if (result.bonds == 0) {
         warnOfLoose(bonds, body, callbacks);
         warnOfLooseParts(pack, bonds, callbacks);
+        warnOfCellFit(pack, bonds, callbacks);
     }
     result.bonds = bonds.size();
     result.law = options.law;
