@@ -107,6 +107,7 @@ TEST_CASE("a cell or a box that is not the pack's is warned of") {
     CHECK_THAT(warned("c.vtp"), !Contains("warning"));
     CHECK_THAT(warned("c.vtp --domain periodic:20,20,20"), !Contains("warning"));
     CHECK_THAT(warned("c.vtp --domain periodic:20.5,20,20"), Contains("20 x 20 x 20 mm"));
+    CHECK_THAT(warned("c.vtp --domain box:20,20,20"), Contains("20 x 20 x 20 mm"));
     CHECK_THAT(warned("c.csv --domain periodic:20,20,20"), !Contains("warning"));
     CHECK_THAT(warned("c.csv --domain periodic:20,19,20"),
                Contains("spheres overlap across the faces of the periodic cell along y"));

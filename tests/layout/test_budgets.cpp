@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 92620},
+    {"lib", 92629},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2505},
     {"lib/vdbpack/io", 2961},
@@ -36,15 +36,15 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5579},
     {"lib/vdbpack/voids", 8077},
-    {"lib/vdbpack/formats", 10219},
+    {"lib/vdbpack/formats", 10220},
     {"lib/vdbpack/report", 4010},
     {"lib/vdbpack/preview", 3427},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3560},
-    {"lib/vdbpack/run", 7062},
+    {"lib/vdbpack/run", 7070},
     {"tools", 3842},
-    {"tests", 35055},
+    {"tests", 35069},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

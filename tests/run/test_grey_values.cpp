@@ -167,6 +167,11 @@ TEST_CASE("a part with a density of its own keeps it") {
         CHECK((parts[i] == 1) == (density[i] == 4430));
         CHECK(written[i] == Approx(density[i]));
     }
+    // Metal with the density of the bone around it.
+    recipe.parts[1].density.clear();
+    recipe.grey.modulus = recipe.parts[0].grey.modulus = "4730,1.56";
+    recipe.parts[1].grey.modulus = "110000";
+    CHECK(mentions(runPack(recipe).report.warnings, "set `density` in the part"));
 }
 
 TEST_CASE("an interrupt or a damaged image costs columns, not the pack") {

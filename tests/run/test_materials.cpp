@@ -55,6 +55,14 @@ TEST_CASE("densities that are given stay with the pack, of all and of parts") {
     for (const double density : columnIn(runPack(recipe), kDensityColumn)) CHECK(density == 1900);
 }
 
+TEST_CASE("a density in another unit is warned of with the number to give") {
+    PackJob ball = recipeFor("ball:4", "constant:0.8");
+    for (const char* density : {"4.43", "4.43e-9"}) {
+        ball.density = density;
+        CHECK(mentions(runPack(ball).report.warnings, "give 4430"));
+    }
+}
+
 TEST_CASE("a modulus alone is a column without grey values") {
     PackJob recipe = recipeFor("ball:4", "constant:0.8");
     recipe.grey.modulus = "700";

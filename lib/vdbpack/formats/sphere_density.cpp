@@ -77,11 +77,12 @@ void warnOfLightness(const std::string& text, const Callbacks& callbacks) {
     const SphereDensity density = particleDensity(text, 1.0);
     double least = density.all > 0 ? density.all : kLeast;
     for (const auto& [region, value] : density.ofRegions) least = std::min(least, value);
+    const bool inTonnes = least < 1e-6;
     if (least < kLeast)
-        callbacks.warn(
-            fmt::format("`density` {}: {:g} kg/m³ is lighter than any bone; if it is "
-                        "in g/cm³, give {:g}",
-                        text, least, 1000 * least));
+        callbacks.warn(fmt::format(
+            "`density` {}: {:g} kg/m³ is lighter than any bone; if it is "
+            "in {}, give {:g}",
+            text, least, inTonnes ? "t/mm³" : "g/cm³", (inTonnes ? 1e12 : 1000) * least));
 }
 
 void warnOfMissingDensities(const PackAttributes& pack,

@@ -5,6 +5,7 @@
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/sphere_density.h"
+#include "vdbpack/io/numbers.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/preview/drawn_wall.h"
@@ -297,12 +298,20 @@ void measureJoined(Run<3>& all) {
 
 /// The densities and moduli that parts have of their own.
 void setProperties(const Parts& parts, const PackedParts& packed, Run<3>& all) {
+    constexpr double kHarderThanBone = 3e4;  // MPa
     const std::string& modulus = all.settings.grey.modulus;
     const Materials materials(all.pack);
     for (std::size_t k = 0; k < parts.size(); ++k) {
         if (!packed.runs[k]) continue;
         const auto number = static_cast<std::int32_t>(k);
         const PackRecipe& part = parts[k].recipe;
+        double own = 0;
+        if (part.density.empty() && !all.settings.grey.calibration.empty() &&
+            parseNumber(part.grey.modulus, own) && own > kHarderThanBone)
+            all.callbacks.warn(fmt::format(
+                "{}: its density follows from the grey values, and its `modulus` {} is that of no "
+                "bone; set `density` in the part to the density of its material, kg/m³",
+                part.name, part.grey.modulus));
         if (!part.grey.modulus.empty() && part.grey.modulus != modulus)
             all.parts.properties.modulus[number] = part.grey.modulus;
         else if (!part.density.empty() && !modulus.empty())

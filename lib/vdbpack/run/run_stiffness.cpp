@@ -81,7 +81,7 @@ void warnOfFewHeld(const Pack<3>& pack, const BondedBody& body, double wall, boo
 void warnOfOtherCell(const std::string& file, const PeriodicCell<3>& stated,
                      const PeriodicCell<3>& named, const Callbacks& callbacks) {
     const Vec<3> own = stated.box.size();
-    if (stated.any() && length(named.box.size() - own) > 1e-6 * length(own))
+    if (stated.any() && (!named.any() || length(named.box.size() - own) > 1e-6 * length(own)))
         callbacks.warn(fmt::format(
             "{}: states a periodic cell of {:.6g} x {:.6g} x {:.6g} mm, which `domain` is not; "
             "leave `domain` out",
@@ -105,10 +105,9 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
             buildAround(source, 3, radius, centers.size(), radius.max + reach, recipe, callbacks);
         body.volume = built.space->volume();
         wall = built.space->wallArea();
-        if (const PeriodicCell<3> cell = built.space->cell(); cell.any()) {
-            warnOfOtherCell(recipe.pack, pack.cell, cell, callbacks);
-            pack.cell = cell;
-        }
+        const PeriodicCell<3> cell = built.space->cell();
+        if (!recipe.domain.source.empty()) warnOfOtherCell(recipe.pack, pack.cell, cell, callbacks);
+        if (cell.any()) pack.cell = cell;
         result.body = describe(named);
         depths = built.space->signedDistances(centers);
         const bool elsewhere = warnOfOutside(depths, result.body, callbacks);
