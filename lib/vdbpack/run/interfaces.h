@@ -8,8 +8,8 @@ namespace vdbpack {
 /// The pairs in contact of a pack whose spheres are in two parts, by their column `kPartColumn`.
 std::uint64_t contactsBetweenParts(const Pack<3>& pack, double tolerance);
 
-/// Warns where half of the spheres of a part have Young's moduli, or bonds one, that no material of
-/// bones and implants has, or an implant one that is less than that of its bone: in another unit.
+/// Warns of moduli in another unit: half of the spheres of a part, or the bonds, have one that no
+/// material of bones and implants has, or the modulus of an implant is below that of its bone.
 void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callbacks& callbacks);
 
 /// Warns of factors and shares of bonds that are lengths or percents.

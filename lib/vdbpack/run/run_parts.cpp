@@ -309,8 +309,8 @@ void setProperties(const Parts& parts, const PackedParts& packed, Run<3>& all) {
         if (part.density.empty() && !all.settings.grey.calibration.empty() &&
             parseNumber(part.grey.modulus, own) && own > kHarderThanBone)
             all.callbacks.warn(fmt::format(
-                "{}: its density follows from the grey values, and its `modulus` {} is that of no "
-                "bone; set `density` in the part to the density of its material, kg/m³",
+                "{}: its density follows from the grey values, but no bone has its `modulus` {}; "
+                "set `density` in the part to the density of its material, kg/m³",
                 part.name, part.grey.modulus));
         if (!part.grey.modulus.empty() && part.grey.modulus != modulus)
             all.parts.properties.modulus[number] = part.grey.modulus;
