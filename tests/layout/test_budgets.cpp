@@ -19,9 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
+/// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 92629},
+    {"lib", 93620},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2505},
     {"lib/vdbpack/io", 2961},
@@ -32,19 +32,19 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/repair", 2835},
     {"lib/vdbpack/domain", 6982},
     {"lib/vdbpack/pack", 7899},
-    {"lib/vdbpack/densify", 4747},
+    {"lib/vdbpack/densify", 5657},
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5579},
     {"lib/vdbpack/voids", 8077},
-    {"lib/vdbpack/formats", 10220},
-    {"lib/vdbpack/report", 4010},
+    {"lib/vdbpack/formats", 10242},
+    {"lib/vdbpack/report", 4026},
     {"lib/vdbpack/preview", 3427},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3560},
-    {"lib/vdbpack/run", 7070},
+    {"lib/vdbpack/options", 3598},
+    {"lib/vdbpack/run", 7072},
     {"tools", 3842},
-    {"tests", 35069},
+    {"tests", 35213},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;
@@ -155,7 +155,7 @@ struct Tree {
 
 /// The counted files below lib, tools and tests of `top`, the longest first.
 Tree measuredTree(const std::string& top) {
-    static const std::set<std::string> counted{".h", ".cpp", ".py", ".js", ".in"};
+    static const std::set<std::string> counted{".h", ".cpp", ".py", ".js", ".in", ".cl"};
     Tree tree;
     for (const char* root : {"lib", "tools", "tests"})
         for (const auto& entry : fs::recursive_directory_iterator(top + root)) {

@@ -41,7 +41,7 @@ Includes includesOf(const std::string& root) {
     const std::string start = "#include \"vdbpack/";
     for (const auto& entry : fs::recursive_directory_iterator(root)) {
         const auto extension = entry.path().extension();
-        if (extension != ".h" && extension != ".cpp") continue;
+        if (extension != ".h" && extension != ".cpp" && extension != ".cl") continue;
         auto& of = includes[fs::relative(entry.path(), root).string()];
         std::ifstream file(entry.path());
         for (std::string line; std::getline(file, line);)

@@ -291,6 +291,8 @@ TEST_CASE("densities that a calibration gives in another unit are warned of") {
     CHECK_FALSE(mentions(runPack(recipe).report.warnings, "kg/m³"));
     recipe.grey.calibration = "a=1000,1000000";
     CHECK(mentions(runPack(recipe).report.warnings, "more than 6000 kg/m³"));
+    recipe.grey.calibration = "a=0.001,1000";
+    CHECK(mentions(runPack(recipe).report.warnings, "Check the slope"));
 }
 
 TEST_CASE("voids follow the BV/TV that grey values say") {

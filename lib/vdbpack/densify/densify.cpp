@@ -52,6 +52,9 @@ public:
         result_.before = reached();
         places_.resize(spheres.size());
         std::iota(places_.begin(), places_.end(), 0u);
+        if (!ranks_)
+            device_ = StepDevice::open(options.device, moving_,
+                                       [this](const std::string& text) { callbacks_.warn(text); });
         if (!ranks_) return;
         places_ = result_.labels = options.labels;
         homes_.emplace(*ranks_, options.labels, options.pieces);
@@ -74,6 +77,7 @@ public:
                 attempt(result_.before, paces_.all());  // adds no sphere: any pace may succeed
         }
         if (moved_ && options_.contacts && !options_.settle && !result_.interrupted) drawTogether();
+        if (device_) result_.device = device_->use();
         result_.after = reached();
         result_.reached = result_.apart && result_.after >= options_.fraction - kFractionRounding;
         if (ranks_) {
@@ -321,6 +325,7 @@ private:
                    const Work& work) {
         Relaxation<Dim> relaxation(*domain_, grownBy(shell_, spheres), options_.fixed, regions,
                                    options_.seed + stage, local_ != nullptr);
+        relaxation.useDevice(device_.get());
         if (boundary_) relaxation.keepTo(*boundary_, isInside_);
         if (!work(relaxation)) return false;
         relaxation.move(spheres);
@@ -372,9 +377,10 @@ private:
         return LocalFurther<Dim>::sizeOf(number).group == 0;
     };
     Paces paces_;
-    std::uint64_t moving_;             ///< spheres that move, of all ranks
-    std::optional<LabelHomes> homes_;  ///< over ranks: of the spheres of the result
-    bool moved_ = false;               ///< whether the result is no longer the input pack
+    std::uint64_t moving_;                ///< spheres that move, of all ranks
+    std::unique_ptr<StepDevice> device_;  ///< null: the processor alone
+    std::optional<LabelHomes> homes_;     ///< over ranks: of the spheres of the result
+    bool moved_ = false;                  ///< whether the result is no longer the input pack
     DensifyResult<Dim> result_;
     std::vector<std::uint32_t> places_;  ///< numbers of the spheres that were there at first
 };

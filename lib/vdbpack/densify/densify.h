@@ -8,9 +8,30 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace vdbpack {
+
+/// Where the steps of relaxations are taken; the pack is the same.
+struct DeviceChoice {
+    enum class Kind {
+        automatic,  ///< a GPU where there is one that is quicker, in packs of many spheres
+        processor,
+        gpu  ///< any OpenCL device, also one that is slower
+    };
+    Kind kind = Kind::automatic;
+    int number = 0;  ///< of the device: those of OpenCL, GPUs first
+
+    bool operator==(const DeviceChoice& o) const { return kind == o.kind && number == o.number; }
+};
+
+/// What a device has done.
+struct DeviceUse {
+    std::string name, driver;  ///< empty: no device was used
+    std::uint64_t steps = 0;   ///< of all relaxations
+    double seconds = 0;        ///< of its kernels
+};
 
 struct LocalSizes;
 class Ranks;
@@ -47,6 +68,9 @@ struct DensifyOptions {
     /// of contacts nor the density tell where the front began. No sphere is added.
     bool settle = false;
 
+    /// Where the steps of relaxations are taken; over ranks, the processor takes them.
+    DeviceChoice device;
+
     /// Other ranks that densify the same pack with the same call; null: there are none. Each has
     /// the spheres that it placed, which do not overlap: no regions, none is fixed, and `sizes` are
     /// given. In a periodic cell, and with `local`, the first rank densifies all of them.
@@ -73,6 +97,7 @@ struct DensifyResult {
     double before = 0, after = 0;  ///< solid fractions, overlaps counted twice
     std::uint64_t steps = 0;       ///< of the relaxation, all stages together
     int stages = 0;                ///< insertions
+    DeviceUse device;              ///< what a device has done, if one was used
 };
 
 /// Makes a pack denser: further spheres are added where there is most room, and all of them are

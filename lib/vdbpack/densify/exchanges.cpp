@@ -11,10 +11,6 @@ namespace vdbpack {
 
 namespace {
 
-/// Largest difference of ranks of two spheres that exchange positions, and of their radii (as a
-/// share of the smaller one).
-constexpr std::uint64_t kRanks = 20;
-constexpr float kAlike = 0.1f;
 /// Where spheres with the worst overlaps exchange, the least squeezed of so many smaller ones is
 /// taken.
 constexpr std::uint32_t kLooser = 100, kFarLooser = 300;
@@ -27,7 +23,7 @@ void Relaxation<Dim>::swapRun(Run& run, const std::vector<Squeezed>& squeezed) {
     const auto n = static_cast<std::uint32_t>(run.ranks.size());
     const std::uint64_t key = mix64(seed_ ^ mix64(clock_ * 0x9e3779b97f4a7c15ull + run.number));
     // Pairs without a common sphere: of every other block of `stride` ranks, and the next one.
-    const auto stride = 1 + static_cast<std::uint32_t>(key % kRanks);
+    const auto stride = 1 + static_cast<std::uint32_t>(key % kExchangeRanks);
     const auto offset = static_cast<std::uint32_t>((key >> 32) % (2 * stride));
     for (std::uint32_t block = 0; block < n + offset; block += 2 * stride)
         for (std::uint32_t k = std::max(block, offset) - offset;
@@ -94,6 +90,7 @@ typename Relaxation<Dim>::Strain Relaxation<Dim>::strainOf(const Run& run,
 
 template <int Dim>
 void Relaxation<Dim>::loosen(float worst) {
+    toHost();
     const float least = std::max(0.5f * worst, delta_);
     std::vector<std::vector<Strain>> all(runs_.size());  // by slots, before any are exchanged
     parallelFor(std::size_t(0), runs_.size(), [&](std::size_t r) {

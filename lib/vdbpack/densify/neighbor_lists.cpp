@@ -69,6 +69,8 @@ void Relaxation<Dim>::sort() {
 
 template <int Dim>
 void Relaxation<Dim>::rebuild(bool rough) {
+    toHost();
+    deviceTurn_ = device_ && device_->takesNext();
     walls_.setSlide(rough ? kRoughSlide : kFineSlide);
     sort();
     askWalls();
@@ -113,7 +115,7 @@ void Relaxation<Dim>::listNeighbors() {
         for (std::uint32_t i = 0; i < n;) {
             std::uint32_t end = i + 1;
             if (!isNearSlot_[i]) {
-                while (end < n && slots_[end] / kRun == slots_[i] / kRun) ++end;
+                while (end < n && slots_[end] / kSlotsOfRun == slots_[i] / kSlotsOfRun) ++end;
                 if (runs == runs_.size()) runs_.emplace_back();
                 runs_[runs].first = i;
                 runs_[runs].last = end;
@@ -123,10 +125,10 @@ void Relaxation<Dim>::listNeighbors() {
         }
         runs_.resize(runs);
     } else {
-        runs_.resize((n + kRun - 1) / kRun);
+        runs_.resize((n + kSlotsOfRun - 1) / kSlotsOfRun);
         for (std::size_t k = 0; k < runs_.size(); ++k) {
-            runs_[k].first = runs_[k].number = static_cast<std::uint32_t>(k) * kRun;
-            runs_[k].last = std::min(n, runs_[k].first + kRun);
+            runs_[k].first = runs_[k].number = static_cast<std::uint32_t>(k) * kSlotsOfRun;
+            runs_[k].last = std::min(n, runs_[k].first + kSlotsOfRun);
         }
     }
     parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {

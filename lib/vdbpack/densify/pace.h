@@ -1,12 +1,22 @@
 // Private to densify: which pace a gain in solid fraction needs, and when a relaxation has jammed.
 #pragma once
 
-#include "vdbpack/densify/relaxation.h"
+#include "vdbpack/core/ranks.h"
 
 #include <cstddef>
 #include <vector>
 
 namespace vdbpack {
+
+/// How fast overlaps are removed: quick paces jam at lower solid fractions.
+struct RelaxationPace {
+    double inertia = 0.97;  ///< share of its velocity that a sphere keeps in a step
+    double cap = 0.07;      ///< largest step, in smallest radii
+    int exchangeEvery = 3;  ///< steps between exchanges of positions
+    /// Once the worst overlap is below this, nothing jams any more, and what is left of the motion
+    /// is damped: a sphere that overlaps push back keeps less of its velocity. (Sooner, packs jam.)
+    double loose = 0.003;
+};
 
 /// The paces to try for a set of spheres, from quick to thorough.
 class Paces {

@@ -202,13 +202,18 @@ std::vector<std::uint32_t> Relaxation<Dim>::places() const {
 }
 
 template <int Dim>
-float Relaxation<Dim>::stepAll(const RelaxationStep& step) {
+void Relaxation<Dim>::stepRuns(const RelaxationStep& step) {
     parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
         if (step.range > 1)
-            stepRun<true>(runs_[k], step);
+            graded_ ? stepRun<true, true>(runs_[k], step) : stepRun<true, false>(runs_[k], step);
         else
-            stepRun<false>(runs_[k], step);
+            graded_ ? stepRun<false, true>(runs_[k], step) : stepRun<false, false>(runs_[k], step);
     });
+}
+
+template <int Dim>
+float Relaxation<Dim>::stepAll(const RelaxationStep& step) {
+    takeStep(step);
     Extremes all;
     for (const Run& run : runs_) {
         all.worst = std::max(all.worst, run.worst);
@@ -232,11 +237,16 @@ typename Relaxation<Dim>::Extremes Relaxation<Dim>::stateOfAll(const Callbacks& 
 
 template <int Dim>
 void Relaxation<Dim>::advance() {
+    ++listed_;
+    if (onDevice_) {
+        device_->advance(exchangesOnDevice_, runs_.size(), images_.size());
+        exchangesOnDevice_ = false;
+        return;
+    }
     std::swap(now_.bodies, now_.before);
     parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
         for (const auto& [a, b] : runs_[k].exchanged) exchangeLabels(a, b);
     });
-    ++listed_;
 }
 
 template <int Dim>

@@ -10,6 +10,8 @@
 #include "vdbpack/densify/body_cells.h"
 #include "vdbpack/densify/candidates.h"
 #include "vdbpack/densify/group_boundary.h"
+#include "vdbpack/densify/pace.h"
+#include "vdbpack/densify/step_device.h"
 #include "vdbpack/densify/wall_planes.h"
 #include "vdbpack/domain/domain.h"
 
@@ -25,29 +27,9 @@
 
 namespace vdbpack {
 
-/// How fast overlaps are removed: quick paces jam at lower solid fractions.
-struct RelaxationPace {
-    double inertia = 0.97;  ///< share of its velocity that a sphere keeps in a step
-    double cap = 0.07;      ///< largest step, in smallest radii
-    int exchangeEvery = 3;  ///< steps between exchanges of positions
-    /// Once the worst overlap is below this, nothing jams any more, and what is left of the motion
-    /// is damped: a sphere that overlaps push back keeps less of its velocity. (Sooner, packs jam.)
-    double loose = 0.003;
-};
-
-/// How spheres move in a step.
-struct RelaxationStep {
-    float inertia = 0;  ///< share of its velocity that a sphere keeps
-    float turning = 1;  ///< factor on that where overlaps push against the velocity
-    float cap = 0;      ///< largest step, quanta
-    float push = 0;     ///< share of an overlap that a sphere gains as velocity
-    float pull = 0;     ///< gaps count as negative overlaps, but for no more than this
-    float range = 1;    ///< how far they do, in sums of the radii
-    float wallPull = 0, wallRange = 1;  ///< the same of walls, in radii
-    bool exchanges = false;             ///< whether spheres exchange positions
-    bool drifts = true;  ///< where gaps count: whether spheres move on that nothing pushes
-};
-struct PushOfEight;
+namespace eight {
+struct Push;
+}
 
 /// Spheres in a domain that push one another, and are pushed by the wall, until none overlap.
 ///
@@ -84,6 +66,8 @@ public:
         boundary_ = &boundary;
         isInside_ = &isInside;
     }
+    /// Takes steps on a device; null: on the processor alone.
+    void useDevice(StepDevice* device) { device_ = device; }
     Relaxation(const Relaxation&) = delete;
     Relaxation& operator=(const Relaxation&) = delete;
 
@@ -142,8 +126,6 @@ public:
     double quantum() const { return quantum_; }
 
 private:
-    static constexpr std::uint32_t kRun = 1024;  ///< slots that are one task
-
     /// Positions and the spheres in them, in the order of the cells.
     struct Slots {
         std::vector<Body> bodies;
@@ -226,8 +208,9 @@ private:
     void setDelta(double delta);
     void setRadii(const std::vector<Sphere<Dim>>& spheres);
     void placeSlots(const std::vector<Sphere<Dim>>& spheres);
-    /// One step of all runs, into `next_`. @return the worst overlap.
+    /// One step of all runs, into `before`. @return the worst overlap.
     float stepAll(const RelaxationStep& step);
+    void stepRuns(const RelaxationStep& step);
     /// Reads what the step of a run needs, one after the other: memory is slow in the order in
     /// which the run goes through its slots.
     void touch(const Run& run, bool exchanges) const;
@@ -312,11 +295,22 @@ private:
     bool keepsSide(const Run& run, std::uint32_t slot);
 
     // relaxation_step.cpp
-    template <bool kPull>
+    template <bool kPull, bool kGraded>
     void stepRun(Run& run, const RelaxationStep& step);
-    /// Adds the overlaps of eight slots with the planes near them.
+    /// Takes the overlaps of eight slots with the planes near them.
     void addPlanes(const Run& run, const std::uint32_t* slots, const RelaxationStep& step,
-                   PushOfEight& push) const;
+                   eight::Push& push) const;
+
+    // relaxation_device.cpp
+    /// A step of all runs, by the device where it is its turn.
+    void takeStep(const RelaxationStep& step);
+    void stepOnDevice(const RelaxationStep& step);
+    /// Whether the processor's step has the same bits as the device's, which was its first.
+    bool isDeviceRight(const RelaxationStep& step);
+    void toDevice();
+    /// Takes back what steps have changed, if the device has it. The end of `run` and of `draw` is
+    /// no place for it: `keepsWall` was there before.
+    void toHost();
 
     // exchanges.cpp
     /// What a step has found of a slot.
@@ -393,6 +387,11 @@ private:
     std::vector<std::uint8_t> isNearSlot_;          ///< 1 for those of others
     std::vector<std::vector<std::uint32_t>> tell_;  ///< own slots that are near each rank's
     std::vector<std::vector<std::uint32_t>> heard_;  ///< slots here that each rank tells of
+
+    StepDevice* device_ = nullptr;
+    bool deviceTurn_ = false,
+         onDevice_ = false;           ///< until lists are renewed; whether it has the state
+    bool exchangesOnDevice_ = false;  ///< whether its last step, not taken up yet, had exchanges
 
     bool wraps_ = false;  ///< whether far spheres may have near low bits
     bool ready_ = false;

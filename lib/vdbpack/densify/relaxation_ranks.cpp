@@ -27,7 +27,7 @@ struct Relaxation<Dim>::Layers {
 
     /// The rank that has the run of a slot: that of the layer in which the run begins.
     int ownerOf(std::uint64_t slot) const {
-        const std::uint64_t begin = slot / kRun * kRun;
+        const std::uint64_t begin = slot / kSlotsOfRun * kSlotsOfRun;
         const auto next = std::upper_bound(firstSlot.begin(), firstSlot.end(), begin);
         return owner[static_cast<std::size_t>(next - firstSlot.begin()) - 1];
     }
@@ -229,7 +229,8 @@ auto Relaxation<Dim>::slotIntervals(const Layers& layers) const
             };
             const int before = layers.ownerOf(first);
             add(before);
-            if ((first / kRun + 1) * kRun < last && layers.owner[l] != before) add(layers.owner[l]);
+            if ((first / kSlotsOfRun + 1) * kSlotsOfRun < last && layers.owner[l] != before)
+                add(layers.owner[l]);
         }
     }
     return intervals;
@@ -330,7 +331,8 @@ std::vector<std::uint32_t> Relaxation<Dim>::sortWithNear(std::size_t own) {
 
 template <int Dim>
 void Relaxation<Dim>::refreshNear() {
-    if (!ranks_) return refreshImages();
+    if (!ranks_ && !onDevice_) refreshImages();
+    if (!ranks_) return;
     std::vector<std::vector<Body>> toEach(tell_.size());
     for (std::size_t r = 0; r < tell_.size(); ++r) {
         toEach[r].reserve(tell_[r].size());

@@ -98,6 +98,7 @@ bool Relaxation<Dim>::keepsSide(const Run& run, std::uint32_t slot) {
 
 template <int Dim>
 bool Relaxation<Dim>::keepsWall() {
+    toHost();
     std::atomic<bool> keeps{true};
     const double grow = 1 + kRoom * static_cast<double>(delta_);
     parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {

@@ -160,11 +160,32 @@ constexpr double kLeastDensity = 1;
 /// More than any bone, tooth or ceramic has, kg/m³.
 constexpr double kMostDensity = 6000;
 
+/// Bone whose densities differ by no more than this share of them is none.
+constexpr double kLeastRange = 0.02;
+
 /// Densities of all spheres, and which are those of their part alone.
 struct Densities {
     std::vector<double> all;
     std::vector<std::uint8_t> own;
 };
+
+/// Warns where grey values differ, and densities hardly do.
+void warnOfSlope(const std::string& calibration, const std::vector<double>& grey,
+                 const Densities& densities, const Callbacks& callbacks) {
+    double low = std::numeric_limits<double>::infinity(), high = -low, dark = low, light = -low;
+    for (std::size_t i = 0; i < grey.size(); ++i) {
+        if (densities.own[i] || !std::isfinite(grey[i])) continue;
+        low = std::min(low, densities.all[i]);
+        high = std::max(high, densities.all[i]);
+        dark = std::min(dark, grey[i]);
+        light = std::max(light, grey[i]);
+    }
+    if (light > dark && high > kLeastDensity && high - low < kLeastRange * high)
+        callbacks.warn(fmt::format(
+            "`calibration` {}: the grey values of spheres go from {:.4g} to {:.4g}, but their "
+            "densities only from {:.5g} to {:.5g} kg/m³. Check the slope, in kg/m³ by grey value",
+            calibration, dark, light, low, high));
+}
 
 /// Densities by the line of a calibration.
 Densities densitiesOf(const GreyRecipe& recipe, const PartProperties& parts,
@@ -210,6 +231,7 @@ Densities densitiesOf(const GreyRecipe& recipe, const PartProperties& parts,
             "`calibration` {} gives {} of {} spheres more than {:g} kg/m³, which no bone has. "
             "Check that slope and intercept give kg/m³, which is mg/cm³, and not g/m³",
             recipe.calibration, high, densities.all.size(), kMostDensity));
+    warnOfSlope(recipe.calibration, grey->numbers, densities, callbacks);
     return densities;
 }
 

@@ -55,6 +55,7 @@ void list(OptionList& rows, PackJob& job, PrintOptions& print) {
                 "first, then fill what they leave");
     studyOptions(rows, job.study, "pack");
     threadsOption(rows, job, "number of threads (of each process); the pack does not depend on it");
+    deviceOption(rows, job.densify.device);
     memoryLimit(rows, job);
     rows.flag("dry-run", job.dryRun,
               "predict count, solid fraction, time, memory and sizes of files; write nothing")
@@ -109,6 +110,7 @@ void list(OptionList& rows, DensifyRecipe& job, PrintOptions& print) {
                   "(max); without this option, no sphere is added and only overlaps are removed");
     gapOption(rows, job.densify.gap,
               "least distance between spheres, and between spheres and the wall, mm");
+    deviceOption(rows, job.densify.device);
     seedOption(rows, job,
                "of the radii and positions of added spheres, and of exchanges between spheres");
     reportOption(rows, job);

@@ -34,6 +34,8 @@ void sizeOptions(OptionList& rows, SizeRequest& radius, WeightBy& weightBy, cons
 void sphereOptions(OptionList& rows, PackRecipe& recipe);
 void gapOption(OptionList& rows, double& gap, const char* help);
 void densifyOption(OptionList& rows, double& fraction, const char* help);
+/// Where `pack` and `densify` move spheres.
+void deviceOption(OptionList& rows, DeviceChoice& device);
 void densityOption(OptionList& rows, std::string& density);
 void greyOptions(OptionList& rows, GreyRecipe& grey);
 void bondOptions(OptionList& rows, BondOptions& bonds);

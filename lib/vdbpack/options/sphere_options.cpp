@@ -78,6 +78,40 @@ void densifyOption(OptionList& rows, double& fraction, const char* help) {
         .of(OptionKind::numbers);
 }
 
+void deviceOption(OptionList& rows, DeviceChoice& device) {
+    using Kind = DeviceChoice::Kind;
+    rows.group("Run");
+    rows.custom(
+            "device", "auto|cpu|gpu[:N] [auto]",
+            "what takes the steps in which `densify` and `settle` move spheres; the pack is the "
+            "same. auto: a GPU where OpenCL finds one that is quicker; gpu:N: device N of OpenCL, "
+            "from 0, GPUs first",
+            [&device](const std::string& text) {
+                if (text == "auto") {
+                    device = {};
+                } else if (text == "cpu") {
+                    device = {Kind::processor, 0};
+                } else {
+                    device = {Kind::gpu, 0};
+                    std::int64_t number = 0;
+                    if (text.rfind("gpu:", 0) == 0 && parseInteger(text.substr(4), number) &&
+                        number >= 0 && number < 1000)
+                        device.number = static_cast<int>(number);
+                    else if (text != "gpu")
+                        throw ParameterError("`device` '" + text +
+                                             "': must be auto, cpu, gpu, or gpu:N with the number "
+                                             "N of a device from 0");
+                }
+            },
+            [&device]() -> std::string {
+                if (device == DeviceChoice()) return {};
+                return device.kind == Kind::processor ? "cpu"
+                                                      : fmt::format("gpu:{}", device.number);
+            })
+        .passing()
+        .offPage();
+}
+
 void sphereOptions(OptionList& rows, PackRecipe& recipe) {
     sizeOptions(rows, recipe.radius, recipe.weightBy,
                 " (default: uniform with ratio 1:2, about 100,000 spheres)");

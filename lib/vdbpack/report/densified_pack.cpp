@@ -151,6 +151,7 @@ void densifyPack(const Domain<Dim>& domain, DensifyOptions options,
     told.inserted = sumOver(ranks, std::uint64_t{result.spheres.size() - before});
     told.steps = result.steps;
     told.stages = result.stages;
+    report.device = result.device;
     const std::vector<std::int64_t> labels(result.labels.begin(), result.labels.end());
     if (!result.interrupted) {
         told.contactsAfter = contactsOf(result.spheres, ranks, labels, domain.cell());

@@ -3,6 +3,7 @@
 
 #include "vdbpack/bonds/bonds.h"
 #include "vdbpack/core/units.h"
+#include "vdbpack/densify/densify.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/mass_offset.h"
@@ -130,6 +131,7 @@ struct Report {
         double seconds = 0;
     };
     std::optional<Densified> densified;
+    DeviceUse device;  ///< that moved spheres
 
     std::vector<PartReport> parts;           ///< empty: the pack has one domain
     std::uint64_t contactsBetweenParts = 0;  ///< pairs

@@ -73,6 +73,17 @@ Json densitiesJson(const PartReport& part) {
     return densities;
 }
 
+Json protrusionJson(const std::optional<ProtrusionCheck>& p) {
+    return {{"max", p ? Json(p->max) : Json()},
+            {"spheres", p ? Json(p->spheres) : Json()},
+            {"centersOutside", p ? Json(p->centersOutside) : Json()}};
+}
+
+Json deviceJson(const DeviceUse& d) {
+    if (d.steps == 0) return {};
+    return {{"name", d.name}, {"driver", d.driver}, {"steps", d.steps}, {"seconds", d.seconds}};
+}
+
 Json densifiedJson(const Report& r) {
     if (!r.densified) return {};
     const Report::Densified& d = *r.densified;
@@ -191,6 +202,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     for (const auto& [option, value] : r.varied) json["varied"][option] = value;
     json["threads"] = r.threads;
     json["ranks"] = r.ranks;
+    json["device"] = deviceJson(r.device);
     json["hash"] = r.task == "voids" ? Json() : Json(hashText(r.hash));
     json["interrupted"] = r.interrupted;
     json["found"] = toJson(r.found);
@@ -203,10 +215,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["overlap"] = {{"max", r.overlap ? Json(r.overlap->max) : Json()},
                        {"pairs", r.overlap ? Json(r.overlap->pairs) : Json()}};
     json["gap"] = {{"asked", r.requestedGap}, {"min", orNull(r.smallestGap)}};
-    json["protrusion"] = {
-        {"max", r.protrusion ? Json(r.protrusion->max) : Json()},
-        {"spheres", r.protrusion ? Json(r.protrusion->spheres) : Json()},
-        {"centersOutside", r.protrusion ? Json(r.protrusion->centersOutside) : Json()}};
+    json["protrusion"] = protrusionJson(r.protrusion);
     json["densified"] = densifiedJson(r);
     json["voids"] = voidsJson(r);
     if (!r.parts.empty()) {

@@ -339,6 +339,10 @@ void addRun(Summary& out, const Report& r, const DimensionWords& words) {
     const std::string processes = r.ranks > 1 ? fmt::format("{} processes of ", r.ranks) : "";
     out.line("seconds", seconds + fmt::format("total {:.2f} on {}{} thread{}", r.seconds.total,
                                               processes, r.threads, r.threads == 1 ? "" : "s"));
+    if (r.device.steps > 0)
+        out.line("device",
+                 fmt::format("{}, driver {}: {} steps, {:.2f} seconds of kernels", r.device.name,
+                             r.device.driver, grouped(r.device.steps), r.device.seconds));
     if (r.seconds.pack > 0 && r.count > 0)
         out.line("", fmt::format(
                          "{} {} placed per second",

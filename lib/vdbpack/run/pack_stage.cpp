@@ -201,7 +201,7 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const SourcePtr& source,
         densify.mixSizes = true;
         densifyStage(*run, std::move(densify));
     } else if (recipe.settle) {
-        settleStage(*run, recipe.packing.gap);
+        settleStage(*run, recipe.packing.gap, recipe.densify.device);
     }
     cutStage(*run, voidsMade);
     return run;

@@ -238,12 +238,13 @@ void densifyStage(Run<Dim>& run, DensifyOptions options) {
 }
 
 template <int Dim>
-void settleStage(Run<Dim>& run, double gap) {
+void settleStage(Run<Dim>& run, double gap, const DeviceChoice& device) {
     if (!run.goesOn() || sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()}) == 0) return;
     DensifyOptions options;
     completeOptions(run, options);
     options.settle = true;
     options.gap = gap;
+    options.device = device;
     if (options.ranks) {
         options.labels.assign(run.pack.order.begin(), run.pack.order.end());
         options.pieces = run.share.pieces;
@@ -251,6 +252,7 @@ void settleStage(Run<Dim>& run, double gap) {
         options.regions = run.pack.region;
     }
     auto result = densify(run.filled(), run.pack.spheres, options, run.callbacks);
+    run.report.device = std::move(result.device);
     run.pack.spheres = std::move(result.spheres);
     if (!options.ranks && !options.local && !options.regions.empty())
         run.pack.region = std::move(result.regions);
@@ -407,7 +409,7 @@ void measureStage(Run<Dim>& run) {
     template void takeLongAxis(RunVoids<Dim>&, const DomainSource&, const DomainSource::Built&); \
     template void domainStage(Run<Dim>&, const Extent&, double, double, double);                 \
     template void densifyStage(Run<Dim>&, DensifyOptions);                                       \
-    template void settleStage(Run<Dim>&, double);                                                \
+    template void settleStage(Run<Dim>&, double, const DeviceChoice&);                           \
     template void cutStage(Run<Dim>&, bool);                                                     \
     template SphereRows rowsOf(const Run<Dim>&);                                                 \
     template void measureStage(Run<Dim>&);

@@ -226,7 +226,7 @@ template <int Dim>
 void densifyStage(Run<Dim>& run, DensifyOptions options);
 /// Leaves nothing in the pack that tells where the front began (`DensifyOptions::settle`).
 template <int Dim>
-void settleStage(Run<Dim>& run, double gap);
+void settleStage(Run<Dim>& run, double gap, const DeviceChoice& device);
 
 /// What a run leaves of its domain.
 SolidTest solidOf(const Run<3>& run);
