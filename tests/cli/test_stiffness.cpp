@@ -8,6 +8,7 @@
 
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 
 namespace {
@@ -73,6 +74,69 @@ TEST_CASE("bonds for a wanted modulus and Poisson's ratio give the pack these") 
     CHECK(same["pressed"]["modulus"].get<double>() == Approx(300).epsilon(1e-4));
     CHECK_THAT(vdbPack("stiffness " + pressed + " --bond-modulus-for 300,0.2").text,
                Contains("write E alone"));
+}
+
+TEST_CASE("an implant keeps its modulus where bonds for a wanted modulus are sought") {
+    const TemporaryFolder folder;
+    // Lower half: bone of several moduli; upper half: an implant of one.
+    const auto scaled = [&](double by) {
+        const std::string file = folder.file("m.csv");
+        std::ifstream from(packedIn(folder));
+        std::ofstream to(file);
+        std::string line;
+        std::getline(from, line);
+        to << "x,y,z,radius,part,modulus_MPa\n";
+        for (int n = 0; std::getline(from, line); ++n) {
+            std::istringstream fields(line);
+            std::string id, x, y, z, r;
+            for (std::string* field : {&id, &x, &y, &z, &r}) std::getline(fields, *field, ',');
+            const bool implant = std::stod(z) > 0;
+            to << x << ',' << y << ',' << z << ',' << r << ',' << implant << ','
+               << (implant ? 5000 : by * (200 + n % 7)) << '\n';
+        }
+        return file + " --domain " + kBox + " --contact-tol 0.05";
+    };
+    const std::string ways[] = {" --press x", " --press z", " --bond-shear 0.1"};
+    for (const std::string& way : ways) {
+        CAPTURE(way);
+        const bool pressed = way.find("press") != std::string::npos;
+        const auto modulusIn = [&](const nlohmann::json& json) {
+            return (pressed ? json["pressed"]["modulus"] : json["isotropic"]["E"]).get<double>();
+        };
+        const double wanted = 1.3 * modulusIn(stiffnessJson(scaled(1) + way));
+        const std::string ask = " --bond-modulus-for " + std::to_string(wanted);
+        const auto found = stiffnessJson(scaled(1) + (pressed ? way + ask : ask + ",0.2"));
+        CHECK(modulusIn(found) == Approx(wanted).epsilon(1e-3));
+        REQUIRE(found["bonds"]["keptModuli"].size() == 1);
+        const auto& bonds = found["bonds"];
+        const auto again =
+            stiffnessJson(scaled(bonds["modulusFactor"].get<double>()) +
+                          (pressed ? way : " --bond-shear " + bonds["shearRatio"].dump()));
+        CHECK(modulusIn(again) == Approx(wanted).epsilon(1e-3));
+    }
+    const auto beyond = vdbPack("stiffness " + scaled(1) + " --press x --bond-modulus-for 1");
+    CHECK(beyond.code == 2);
+    CHECK_THAT(beyond.text, Contains("part 1") && Contains("own"));
+}
+
+TEST_CASE("what stiffness cannot mean is refused or warned of with what to set") {
+    const TemporaryFolder folder;
+    const std::string file = packedIn(folder), words = file + " --domain " + kBox;
+    const auto says = [](const std::string& arguments, int code, const std::string& part) {
+        const auto run = vdbPack(arguments);
+        CAPTURE(arguments, run.text);
+        CHECK(run.code == code);
+        CHECK_THAT(run.text, Contains(part));
+    };
+    says("stiffness " + words + " --press z --grip 0.1 --contact-tol 0.05", 2, "--grip 0.1");
+    says("stiffness " + file + " --domain box:30,30,30,40,40,40", 3, "all spheres");
+    says("stiffness " + words + " --bond-strength 133", 2, "--bond-strength 133");
+    says("stiffness " + words + " --contact-tol 0.01 --interface-tol 0.005", 0,
+         "--interface-tol 0.005 has no effect");
+    const std::string pack =
+        std::string("pack ") + kBox + " --max-count 20 -o " + folder.file("o.csv");
+    says(pack + " --density 1.9e6", 0, "heavier than any metal");
+    says("convert " + file + " --density 1.9e6 -o " + folder.file("c.data"), 0, "heavier than");
 }
 
 TEST_CASE("a boundary that holds less than a wall would is warned of, as are factors of bonds") {

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 93620},
+    {"lib", 93785},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2505},
     {"lib/vdbpack/io", 2961},
@@ -36,15 +36,15 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5579},
     {"lib/vdbpack/voids", 8077},
-    {"lib/vdbpack/formats", 10242},
-    {"lib/vdbpack/report", 4026},
+    {"lib/vdbpack/formats", 10257},
+    {"lib/vdbpack/report", 4040},
     {"lib/vdbpack/preview", 3427},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7072},
+    {"lib/vdbpack/run", 7208},
     {"tools", 3842},
-    {"tests", 35213},
+    {"tests", 35278},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -249,6 +249,7 @@ TEST_CASE("samples and calibrations that say too little or too much are refused"
         {sampled + "--preview @p.png --preview-color column:raduis", 2, "raduis"},
         {sampled + "--calibrate a=1,0 --density 1200", 2, "density"},
         {sampled + "--calibrate a=1,0 --modulus -1,2", 2, "A,B"},
+        {sampled + "--calibrate a=1,0 --modulus 1,-2", 2, "not negative"},
         {sampled + "--modulus 1,2", 2, "--calibrate"},
         {"pack ball:6 --radius uniform:1,2 -o labels-regions:@r.nii.gz", 2, "--voxel-spacing"}};
     for (const std::string bad : {"1", "a=", "=1,2", "a=0,3", "x,y"})

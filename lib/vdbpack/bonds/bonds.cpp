@@ -14,17 +14,17 @@ namespace {
 
 void requireLaw(const BondLaw& law, std::size_t spheres) {
     const auto require = [](bool holds, const char* what, double value, const char* remedy) {
-        if (!holds) throw ParameterError(fmt::format("bonds: {} {}; {}", what, value, remedy));
+        if (!holds) throw ParameterError(fmt::format("{} {:g}: {}", what, value, remedy));
     };
     const auto positive = [](double v) { return v > 0 && std::isfinite(v); };
-    require(positive(law.modulus), "Young's modulus", law.modulus, "give MPa above 0");
-    require(positive(law.radiusFactor), "radius factor", law.radiusFactor, "give one above 0");
-    require(law.shearRatio >= 0 && std::isfinite(law.shearRatio), "ratio of stiffnesses",
-            law.shearRatio, "give 0 or more");
+    require(positive(law.modulus), "`bond-modulus`", law.modulus, "give MPa above 0");
+    require(positive(law.radiusFactor), "`bond-radius`", law.radiusFactor, "give one above 0");
+    require(law.shearRatio >= 0 && std::isfinite(law.shearRatio), "`bond-shear`", law.shearRatio,
+            "give 0 or more");
     const double strain = law.breakingStrain.value_or(0.1);
-    require(strain > 0 && strain < 1, "breaking strain", strain,
+    require(strain > 0 && strain < 1, "`bond-strength`", strain,
             "give a share below 1, such as 0.0078 for 0.78 %");
-    require(positive(law.shearStrength), "shear strength", law.shearStrength,
+    require(positive(law.shearStrength), "`bond-shear-strength`", law.shearStrength,
             "give a share of the tensile strength above 0");
     if (!law.moduli.empty() && law.moduli.size() != spheres)
         throw ParameterError(fmt::format("bonds: {} moduli for {} spheres; give one each",

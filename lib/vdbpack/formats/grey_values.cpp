@@ -67,10 +67,11 @@ Calibration parsedCalibration(const GreyRecipe& recipe) {
 /// A and B of a modulus.
 std::pair<double, double> parsedModulus(const std::string& text) {
     const auto numbers = parseNumberList(text);
-    if (!numbers || numbers->empty() || numbers->size() > 2 || !((*numbers)[0] > 0))
+    if (!numbers || numbers->empty() || numbers->size() > 2 || !((*numbers)[0] > 0) ||
+        !(numbers->back() >= 0))
         throw ParameterError("`modulus` '" + text +
                              "': write A,B of Young's modulus A * density^B in MPa, the density in "
-                             "g/cm³, such as 6850,1.49; or the modulus itself");
+                             "g/cm³ and B not negative, such as 6850,1.49; or the modulus itself");
     return {(*numbers)[0], numbers->size() == 2 ? (*numbers)[1] : 0};
 }
 
@@ -224,8 +225,11 @@ Densities densitiesOf(const GreyRecipe& recipe, const PartProperties& parts,
     if (low > 0)
         callbacks.warn(fmt::format(
             "`calibration` {} gives {} of {} spheres less than {:g} kg/m³, which they have now. "
-            "Check slope and intercept, or whether fat and air belong to the domain",
-            recipe.calibration, low, densities.all.size(), kLeastDensity));
+            "Check {}",
+            recipe.calibration, low, densities.all.size(), kLeastDensity,
+            2 * low > densities.all.size()
+                ? "that slope and intercept give kg/m³, which is mg/cm³, and not g/cm³"
+                : "slope and intercept, or whether fat and air belong to the domain"));
     if (high > 0)
         callbacks.warn(fmt::format(
             "`calibration` {} gives {} of {} spheres more than {:g} kg/m³, which no bone has. "

@@ -72,17 +72,27 @@ void checkDensity(const std::string& text) {
     particleDensity(text, 1.0);
 }
 
-void warnOfLightness(const std::string& text, const Callbacks& callbacks) {
-    constexpr double kLeast = 20;  // kg/m³, lighter than the emptiest bone
+void warnOfDensity(const std::string& text, const std::string& part, const Callbacks& callbacks) {
+    // kg/m³: lighter than the emptiest bone, heavier than platinum
+    constexpr double kLeast = 20, kMost = 22000;
     const SphereDensity density = particleDensity(text, 1.0);
-    double least = density.all > 0 ? density.all : kLeast;
-    for (const auto& [region, value] : density.ofRegions) least = std::min(least, value);
+    double least = density.all > 0 ? density.all : kLeast, most = density.all;
+    for (const auto& [region, value] : density.ofRegions) {
+        least = std::min(least, value);
+        most = std::max(most, value);
+    }
+    const std::string of = part.empty() ? "" : part + ": ";
     const bool inTonnes = least < 1e-6;
     if (least < kLeast)
         callbacks.warn(fmt::format(
-            "`density` {}: {:g} kg/m³ is lighter than any bone; if it is "
+            "{}`density` {}: {:g} kg/m³ is lighter than any bone; if it is "
             "in {}, give {:g}",
-            text, least, inTonnes ? "t/mm³" : "g/cm³", (inTonnes ? 1e12 : 1000) * least));
+            of, text, least, inTonnes ? "t/mm³" : "g/cm³", (inTonnes ? 1e12 : 1000) * least));
+    if (most > kMost)
+        callbacks.warn(
+            fmt::format("{}`density` {}: {:g} kg/m³ is heavier than any metal; bone has some 1,000 "
+                        "to 2,000, titanium 4,430. If it is in g/m³, give {:g}",
+                        of, text, most, most / 1000));
 }
 
 void warnOfMissingDensities(const PackAttributes& pack,

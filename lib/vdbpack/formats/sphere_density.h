@@ -25,8 +25,9 @@ SphereDensity particleDensity(const std::string& text, std::optional<double> sol
 /// The same without knowing the solid fraction yet. @throws ParameterError
 void checkDensity(const std::string& text);
 
-/// Warns of densities that seem to be in g/cm³.
-void warnOfLightness(const std::string& text, const Callbacks& callbacks);
+/// Warns of densities that seem to be in another unit.
+/// @param part  whose density it is; empty: that of all.
+void warnOfDensity(const std::string& text, const std::string& part, const Callbacks& callbacks);
 
 /// Warns of regions of a pack for which `densities` has none, unless it is empty.
 void warnOfMissingDensities(const PackAttributes& pack,

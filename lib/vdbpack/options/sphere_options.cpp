@@ -217,8 +217,8 @@ void bondOptions(OptionList& rows, BondOptions& bonds) {
                "bpm/rotational; 0: a type for each bond, for bond_style harmonic. "
                "bond-coeffs:FILE.lmp has their coefficients");
     rows.number("interface-tol", "T", bonds.interfaceTolerance, Range::notNegative,
-                "spheres of two parts are bonded up to a gap of this share of the smaller radius; "
-                "all others up to `contact-tol`")
+                "spheres of two parts are bonded up to a gap of this share of the smaller radius, "
+                "if it is larger than `contact-tol`, which is that of all others")
         .as("interfaceTolerance");
 }
 

@@ -75,6 +75,7 @@ std::string columnTable(const std::vector<std::pair<std::string, Json>>& columns
 struct Parts {
     std::vector<std::pair<std::string, std::string>> rows;
     std::string tables;  ///< of columns and records
+    std::string title;   ///< of the section, which needs no other heading
 
     void add(const Json& object, const std::string& path) {
         std::vector<std::pair<std::string, Json>> columns;
@@ -113,7 +114,8 @@ private:
             columns.emplace_back(key, std::move(column));
         }
         if (columns.empty()) return;
-        tables += "<h4>" + escaped(name) + "</h4>\n" + columnTable(columns);
+        if (name != title) tables += "<h4>" + escaped(name) + "</h4>\n";
+        tables += columnTable(columns);
     }
 };
 
@@ -143,6 +145,13 @@ constexpr Heading kHeadings[] = {
     {"protrusion", "Protrusion", "Protrusion",
      "Beyond the wall, as a share of the radius; spheres above 1e-6 are counted."},
     {"voids", "Voids", "Voids", "BV/TV is the solid fraction of the region deeper than the shell."},
+    {"parts", "Parts", "Parts", "Volumes in mm³, areas in mm², densities in kg/m³."},
+    {"interfaces", "Interfaces", "Interfaces",
+     "Walls that two parts have in common: area in mm², bonds across them, per mm² as well; bulk: "
+     "per mm² of a plane through the first and through the second part."},
+    {"materials", "Materials", "Materials",
+     "Least, middle and largest density in kg/m³, and Young's modulus in MPa."},
+    {"device", "Device", "Device", "That moved spheres, with the seconds of its kernels."},
     {"seconds", "Seconds", "Seconds", "Wall-clock time."},
     {"profile", "Solid fraction by depth", "Solid fraction by depth",
      "In bins from the wall inwards, with standard errors."},
@@ -163,6 +172,7 @@ std::string section(const std::string& key, const Json& object, bool plane) {
             words = heading.words;
         }
     Parts parts;
+    parts.title = key;
     if (object.is_object())
         parts.add(object, "");
     else if (!object.is_null())

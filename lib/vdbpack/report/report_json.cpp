@@ -80,7 +80,6 @@ Json protrusionJson(const std::optional<ProtrusionCheck>& p) {
 }
 
 Json deviceJson(const DeviceUse& d) {
-    if (d.steps == 0) return {};
     return {{"name", d.name}, {"driver", d.driver}, {"steps", d.steps}, {"seconds", d.seconds}};
 }
 
@@ -202,7 +201,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     for (const auto& [option, value] : r.varied) json["varied"][option] = value;
     json["threads"] = r.threads;
     json["ranks"] = r.ranks;
-    json["device"] = deviceJson(r.device);
+    if (r.device.steps > 0) json["device"] = deviceJson(r.device);
     json["hash"] = r.task == "voids" ? Json() : Json(hashText(r.hash));
     json["interrupted"] = r.interrupted;
     json["found"] = toJson(r.found);

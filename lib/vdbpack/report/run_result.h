@@ -98,7 +98,8 @@ struct StiffnessResult {
         }
     };
     std::optional<Pressed> pressed;
-    double modulusFactor = 1;  ///< by which moduli were changed to reach a wanted one
+    double modulusFactor = 1;            ///< by which moduli were changed to reach a wanted one
+    std::vector<std::string> keptParts;  ///< whose moduli were not
     Report::Seconds seconds;
     std::vector<std::string> files, warnings;
 };

@@ -76,6 +76,7 @@ Json toJson(const StiffnessResult& r) {
                   {{"count", r.bonds},
                    {"modulus", r.ownModuli ? Json("of each sphere") : Json(r.law.modulus)},
                    {"modulusFactor", r.modulusFactor},
+                   {"keptModuli", r.keptParts},
                    {"radiusFactor", r.law.radiusFactor},
                    {"shearRatio", r.law.shearRatio},
                    {"hinged", r.law.isHinged}}},
@@ -107,8 +108,11 @@ std::string summary(const StiffnessResult& r) {
                          r.ownModuli ? "of each sphere" : fmt::format("{:.6g} MPa", r.law.modulus),
                          r.law.radiusFactor, r.law.shearRatio, r.law.isHinged ? ", hinged" : ""));
     if (r.modulusFactor != 1 && r.ownModuli)
-        line("", fmt::format("moduli of the spheres times {:.6g}, at this k_t / k_n in all runs",
-                             r.modulusFactor));
+        line("", fmt::format("moduli of the spheres times {:.6g}{}, at this k_t / k_n in all runs",
+                             r.modulusFactor,
+                             r.keptParts.empty() ? ""
+                                                 : fmt::format(", but not those of {}",
+                                                               fmt::join(r.keptParts, ", "))));
     line("volume", fmt::format("{:.6g} mm³ of {}", r.volume, r.body));
     if (r.pressed) {
         const StiffnessResult::Pressed& p = *r.pressed;

@@ -116,6 +116,11 @@ void warnOfTolerance(const std::string& file, const PackOrigin& origin, const Bo
                      const Callbacks& callbacks) {
     const double own = origin.contactTolerance, between = origin.interfaceTolerance;
     const double now = std::max(options.interfaceTolerance, options.tolerance);
+    if (constexpr double kMuchMore = 1.2; between > own && now > kMuchMore * between)
+        callbacks.warn(fmt::format(
+            "{}: its parts were joined with `interfaceTolerance` {:g}; up to {:g} there are more "
+            "bonds, across wider gaps, and stiffer interfaces",
+            file, between, now));
     if (options.tolerance >= own && now >= between) return;
     callbacks.warn(fmt::format(
         "{}: its contacts were counted with `contactTolerance` {:g}{}, and there are fewer pairs "

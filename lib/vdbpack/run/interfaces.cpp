@@ -141,7 +141,7 @@ void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callback
         if (!m.modulus) continue;
         const auto [least, middle, most] = *m.modulus;
         // A metal in GPa; an implant softer than the bone whose moduli follow grey values.
-        const bool dense = m.density && (*m.density)[1] > kDenserThanBone;
+        const bool dense = least == most && m.density && (*m.density)[1] > kDenserThanBone;
         const bool soft =
             least == most &&
             std::any_of(materials.begin(), materials.end(), [&](const MaterialReport& other) {
@@ -214,6 +214,11 @@ void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,
             "`interfaceTolerance` {:g} has no effect: the spheres have no column {}, which says "
             "which of several parts each is in; `contactTolerance` is that of all pairs",
             options.interfaceTolerance, kPartColumn));
+    if (options.interfaceTolerance > 0 && options.interfaceTolerance < options.tolerance)
+        callbacks.warn(fmt::format(
+            "`interfaceTolerance` {:g} has no effect: `contactTolerance` {:g} is larger, and bonds "
+            "spheres of two parts as well",
+            options.interfaceTolerance, options.tolerance));
     if (options.law.modulus != BondLaw().modulus && columnOfNumbers(pack, kModulusColumn))
         callbacks.warn(fmt::format(
             "`bond-modulus` {:g} has no effect: bonds take the moduli in the column {} of their "
@@ -233,19 +238,21 @@ void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
         if (const auto p = materials.partOf(b.i), q = materials.partOf(b.j); p != q)
             ++joined[p], ++joined[q];
     const std::vector<std::string>& names = partNames(pack);
+    const double stated = pack.origin.interfaceTolerance;
     for (const auto& [part, count] : joined) {
         if (count >= kFewBonds || joined.size() < 2) continue;
         const auto at = static_cast<std::size_t>(part);
         callbacks.warn(fmt::format(
-            "{} has {}; {} `interfaceTolerance` to what a run that packs the parts and writes "
+            "{} has {}; {} `interfaceTolerance` to {}what a run that packs the parts and writes "
             "`bonds:` or `contacts:` advises",
             at < names.size() ? names[at] : fmt::format("part {}", part),
             count == 0   ? "no bond that connects it to another part"
-            : count == 1 ? "1 bond with other parts and carries next to nothing of their load"
-                         : fmt::format("{} bonds with other parts and carries next to nothing of "
-                                       "their load",
+            : count == 1 ? "1 bond with other parts, which takes next to no load over to it"
+                         : fmt::format("{} bonds with other parts, which take next to no load over "
+                                       "to it",
                                        count),
-            count == 0 ? "if it touches others and does not lie apart from them, set" : "set"));
+            count == 0 ? "if it touches others and does not lie apart from them, set" : "set",
+            stated > 0 ? fmt::format("{:g}, which the file states, or ", stated) : ""));
     }
 }
 
@@ -258,6 +265,7 @@ void measureInterfaces(const Parts& parts, Run<3>& all) {
     auto byParts = bondsByParts(bonds, columnOfNumbers(all.pack, kPartColumn)->numbers);
     const auto& outputs = all.settings.outputs;
     const bool bonded = columnOfNumbers(all.pack, kModulusColumn) ||
+                        all.settings.bonds.interfaceTolerance > 0 ||
                         std::any_of(outputs.begin(), outputs.end(),
                                     [](const OutputTarget& output) { return output.listsPairs(); });
     for (std::size_t k = 0; k + 1 < parts.size(); ++k) {

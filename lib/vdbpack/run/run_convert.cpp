@@ -137,6 +137,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         have.labels.space = recipe.domain.space;
     }
     callbacks.stopIfCancelled();
+    warnOfDensity(recipe.density, "", callbacks);
     const SphereDensity density = particleDensity(recipe.density, solid);
     write.particleDensity = density.all;
     write.materialDensity = density.ofRegions;

@@ -321,7 +321,7 @@ void setProperties(const Parts& parts, const PackedParts& packed, Run<3>& all) {
                 part.name, modulus));
         const SphereDensity density =
             particleDensity(part.density, packed.runs[k]->report.solidFractionTotal);
-        warnOfLightness(part.density, all.callbacks);
+        warnOfDensity(part.density, part.name, all.callbacks);
         const bool hasRegions =
             materials.withoutClass(number, 0) != materials.withoutClass(number, 1);
         for (const std::int32_t region : {0, 1}) {

@@ -1,15 +1,17 @@
 // The run that computes the stiffness of a bonded pack: `vdb_pack stiffness`.
-#include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/interfaces.h"
+#include "vdbpack/run/stiffness_warnings.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -21,72 +23,10 @@ namespace {
 /// Sides of the range of k_t / k_n that is searched, and how close a Poisson's ratio has to be.
 constexpr double kLeastShear = 0.05, kMostShear = 4, kPoissonError = 5e-4;
 constexpr int kMostTries = 12;
-/// Share of the spheres that bonds hold below which a warning says so.
-constexpr double kHeld = 0.97;
 /// Share of the box around the spheres that they fill if it is their domain, at least.
 constexpr double kFillsBox = 0.48;
-/// Spheres at the wall, and the share of it that they cover: a pack has at least these. A dense one
-/// covers half of its wall, one with a fifth of its solid a tenth.
-constexpr std::uint64_t kFewHeld = 20;
-constexpr double kLeastCovered = 0.04;
 /// Tolerance from which on bonds cross gaps.
 constexpr double kWideGaps = 0.05;
-
-/// The box around the spheres, mm.
-Box<3> boxAround(const Pack<3>& pack) {
-    Box<3> box;
-    for (const Sphere<3>& s : pack.spheres) {
-        box.add(s.center - Box<3>::filled(s.radius));
-        box.add(s.center + Box<3>::filled(s.radius));
-    }
-    return box;
-}
-
-/// Warns of spheres that reach through a part of the domain only, or, with `beyond`, out of it.
-void warnOfOtherEnds(const Pack<3>& pack, const Box<3>& bounds, const std::string& domain,
-                     bool beyond, const Callbacks& callbacks) {
-    constexpr double kReaches = 0.8, kReachesCell = 0.97, kBeyond = 1.02;
-    const Vec<3> size = boxAround(pack).size();
-    for (int d = 0; d < 3; ++d) {
-        const double share = size[d] / bounds.size()[d];
-        const bool wraps = pack.cell.isAlong(d);
-        if (share >= (wraps ? kReachesCell : kReaches) && (wraps || !beyond || share <= kBeyond))
-            continue;
-        callbacks.warn(
-            fmt::format("the spheres reach through {:.0f} % of {} along {}, so that its volume and "
-                        "cross-section are not theirs; check `domain`, `label`, `mask` and `clip`",
-                        100 * share, domain, "xyz"[d]));
-        return;
-    }
-}
-
-/// Warns where the boundary holds less of a pack than the wall of its domain would.
-void warnOfFewHeld(const Pack<3>& pack, const BondedBody& body, double wall, bool named,
-                   const Callbacks& callbacks) {
-    std::uint64_t held = 0;
-    double covered = 0;
-    for (std::size_t i = 0; i < body.boundary.size(); ++i)
-        if (body.boundary[i]) {
-            ++held;
-            covered += Measure<2>::ball(pack.spheres[i].radius);
-        }
-    if (held >= kFewHeld && covered >= kLeastCovered * wall) return;
-    callbacks.warn(fmt::format(
-        "only {} spheres, on {:.2g} % of the wall, move with the boundary, which tells little of "
-        "the pack; set the `domain` of the pack{}, or a larger `boundary`",
-        held, 100 * covered / wall, named ? "" : ", of a periodic one its cell"));
-}
-
-/// Warns of a periodic cell other than the one that the file of a pack states.
-void warnOfOtherCell(const std::string& file, const PeriodicCell<3>& stated,
-                     const PeriodicCell<3>& named, const Callbacks& callbacks) {
-    const Vec<3> own = stated.box.size();
-    if (stated.any() && (!named.any() || length(named.box.size() - own) > 1e-6 * length(own)))
-        callbacks.warn(fmt::format(
-            "{}: states a periodic cell of {:.6g} x {:.6g} x {:.6g} mm, which `domain` is not; "
-            "leave `domain` out",
-            file, own[0], own[1], own[2]));
-}
 
 /// What the spheres fill, in which cell, and which of them are at its wall.
 void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
@@ -110,6 +50,11 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
         if (cell.any()) pack.cell = cell;
         result.body = describe(named);
         depths = built.space->signedDistances(centers);
+        if (std::none_of(depths.begin(), depths.end(), [](double depth) { return depth <= 0; }))
+            throw InputError(fmt::format(
+                "{}: all spheres have their center outside of {}; check `domain`, `label`, `mask`, "
+                "`space` and units",
+                recipe.pack, result.body));
         const bool elsewhere = warnOfOutside(depths, result.body, callbacks);
         if (named.clips.empty())  // else the bounds are wider than the clipped domain
             warnOfOtherEnds(pack, built.space->bounds(), result.body, !elsewhere, callbacks);
@@ -139,53 +84,8 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
         body.boundary[i] = -depths[i] - pack.spheres[i].radius <= reach;
         result.boundary += body.boundary[i];
     }
-    if (!repeats && !recipe.press) warnOfFewHeld(pack, body, wall, source.has_value(), callbacks);
-}
-
-/// Warns of spheres that nothing holds: no chain of bonds leads from them to the boundary, or,
-/// where nothing is held, to most others.
-void warnOfLoose(const std::vector<Bond>& bonds, const BondedBody& body,
-                 const Callbacks& callbacks) {
-    const std::size_t n = body.pack->spheres.size();
-    const auto wall = static_cast<std::uint32_t>(n);
-    DisjointSets sets(n + 1);
-    for (const Bond& b : bonds) sets.join(b.i, b.j);
-    for (std::uint32_t i = 0; i < body.boundary.size(); ++i)
-        if (body.boundary[i]) sets.join(i, wall);
-    std::vector<std::size_t> members(n + 1);
-    for (std::uint32_t i = 0; i < n; ++i) ++members[sets.find(i)];
-    const std::size_t held = body.boundary.empty()
-                                 ? *std::max_element(members.begin(), members.end())
-                                 : members[sets.find(wall)];
-    const double share = static_cast<double>(held) / static_cast<double>(n);
-    if (share < kHeld)
-        callbacks.warn(
-            fmt::format("bonds connect only {:.3g} % of the spheres to {}; the others carry "
-                        "nothing. Set a larger "
-                        "`contactTolerance` (of several parts `interfaceTolerance`), or the "
-                        "`domain` of the pack",
-                        100 * share, body.boundary.empty() ? "one another" : "the boundary"));
-}
-
-/// Warns of bonds across the faces of a periodic cell that show another size than the pack's.
-void warnOfCellFit(const Pack<3>& pack, const std::vector<Bond>& bonds,
-                   const Callbacks& callbacks) {
-    for (int d = 0; d < 3; ++d) {
-        if (!pack.cell.isAlong(d)) continue;
-        const double side = pack.cell.box.size()[d];
-        bool joined = false, overlaps = false;
-        for (const Bond& b : bonds) {
-            const Sphere<3>&i = pack.spheres[b.i], &j = pack.spheres[b.j];
-            if (std::abs((j.center - i.center - b.direction * b.length)[d]) < side / 2) continue;
-            joined = true;
-            overlaps |= b.length < i.radius + j.radius - 0.2 * std::min(i.radius, j.radius);
-        }
-        if (overlaps || !joined)
-            callbacks.warn(fmt::format(
-                "{} across the faces of the periodic cell along {}, whose {:.6g} mm are not the "
-                "pack's; check `domain`",
-                overlaps ? "spheres overlap" : "no bond leads", "xyz"[d], side));
-    }
+    if (!repeats && !recipe.press)
+        warnOfFewHeld(pack, body.boundary, wall, source.has_value(), callbacks);
 }
 
 /// Solves once. @return the Poisson's ratio of the isotropic average
@@ -195,7 +95,7 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     body.pack = &pack;
     body.bonds = &bonds;
     if (result.bonds == 0) {
-        warnOfLoose(bonds, body, callbacks);
+        warnOfLoose(pack, bonds, body.boundary, callbacks);
         warnOfLooseParts(pack, bonds, callbacks);
         warnOfCellFit(pack, bonds, callbacks);
     }
@@ -274,16 +174,68 @@ StiffnessResult::Pressed gripsOn(const StiffnessRecipe& recipe, const Pack<3>& p
     return pressed;
 }
 
-/// Multiplies the moduli of all bonds. @return the wanted modulus divided by `found`
-double scaleModuli(const StiffnessRecipe& recipe, double found, Pack<3>& pack, BondOptions& options,
-                   StiffnessResult& result) {
-    const double factor = recipe.wantedModulus / found;
-    result.modulusFactor = factor;
-    result.law.modulus = options.law.modulus *= factor;
-    for (Column& column : pack.columns)
-        if (column.name == kModulusColumn)
-            for (double& modulus : column.numbers) modulus *= factor;
-    return factor;
+/// Which spheres keep their moduli while those of others are multiplied: beside bone whose moduli
+/// follow its grey values, those of parts with one modulus of their own, such as implants. Empty:
+/// none does.
+std::vector<std::uint8_t> keptModuli(const Pack<3>& pack, StiffnessResult& result) {
+    const Column* column = columnOfNumbers(pack, kModulusColumn);
+    const Materials materials(pack);
+    if (!column || !materials.hasParts()) return {};
+    const std::vector<double>& moduli = column->numbers;
+    std::map<std::int32_t, std::pair<double, double>> ranges;
+    for (std::size_t i = 0; i < moduli.size(); ++i) {
+        const auto known = ranges.try_emplace(materials.partOf(i), moduli[i], moduli[i]).first;
+        auto& [least, most] = known->second;
+        least = std::min(least, moduli[i]);
+        most = std::max(most, moduli[i]);
+    }
+    const auto isOne = [](const auto& range) { return range.second.first == range.second.second; };
+    const auto ones = std::count_if(ranges.begin(), ranges.end(), isOne);
+    if (ones == 0 || static_cast<std::size_t>(ones) == ranges.size()) return {};
+    std::vector<std::uint8_t> kept(moduli.size());
+    for (std::size_t i = 0; i < kept.size(); ++i)
+        kept[i] = isOne(*ranges.find(materials.partOf(i)));
+    const auto names = partNames(pack);
+    for (const auto& range : ranges)
+        if (const auto at = static_cast<std::size_t>(range.first); isOne(range))
+            result.keptParts.push_back(at < names.size() ? names[at] : fmt::format("part {}", at));
+    return kept;
+}
+
+/// Multiplies the moduli of bonds until the pack has the wanted modulus: at once, or, where parts
+/// keep theirs, by secants of the logarithms.
+/// @param found  its modulus. @param again  finds it with the moduli of now.
+/// @return the factor by which the stiffness found last has to be multiplied
+template <class Again>
+double reachModulus(const StiffnessRecipe& recipe, double found, Pack<3>& pack,
+                    BondOptions& options, StiffnessResult& result, const Again& again) {
+    constexpr double kClose = 1e-4, kLeastPower = 0.02, kMostBy = 1e4;
+    const auto kept = keptModuli(pack, result);
+    const auto multiply = [&](double by) {
+        result.modulusFactor *= by;
+        result.law.modulus = options.law.modulus *= by;
+        for (Column& column : pack.columns)
+            if (column.name == kModulusColumn)
+                for (std::size_t i = 0; i < column.numbers.size(); ++i)
+                    if (kept.empty() || !kept[i]) column.numbers[i] *= by;
+    };
+    double by = recipe.wantedModulus / found;
+    multiply(by);
+    if (kept.empty()) return by;
+    for (int k = 0; k < kMostTries; ++k) {
+        const double now = again();
+        if (std::fabs(now / recipe.wantedModulus - 1) < kClose) return 1;
+        const double power = std::log(now / found) / std::log(by);
+        if (!(power > kLeastPower)) break;
+        found = now;
+        by = std::clamp(std::pow(recipe.wantedModulus / now, 1 / power), 1 / kMostBy, kMostBy);
+        multiply(by);
+    }
+    throw ParameterError(fmt::format(
+        "`bond-modulus-for`: {} keep{} a modulus of {} own, beside which the pack does not reach "
+        "{:g} MPa; choose another, nearer to the {:.4g} MPa of the pack as it is",
+        fmt::join(result.keptParts, ", "), result.keptParts.size() == 1 ? "s" : "",
+        result.keptParts.size() == 1 ? "its" : "their", recipe.wantedModulus, found));
 }
 
 /// Presses the body between two rigid grips, by one unit of strain of what lies between them.
@@ -300,29 +252,40 @@ void press(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, B
         pressed.held[0] += lower;
         pressed.held[1] += upper;
     }
-    const auto bonds = bondsIn(pack, options);
+    if (pressed.held[0] == 0 || pressed.held[1] == 0)
+        throw ParameterError(
+            fmt::format("`grip` {:g}: holds the center of no sphere at one end; set a larger one, "
+                        "such as {:.2g}",
+                        pressed.grip, 4 * radiusStatistics(pack.spheres).mean));
+    auto bonds = bondsIn(pack, options);
     body.pack = &pack;
     body.bonds = &bonds;
-    warnOfLoose(bonds, body, callbacks);
+    warnOfLoose(pack, bonds, body.boundary, callbacks);
     warnOfLooseParts(pack, bonds, callbacks);
-    pressed.stiffness = 2 * energyOf(body, moves, callbacks);
-    pressed.modulus = pressed.stiffness * pressed.gauge / pressed.area;
+    const auto modulus = [&] {
+        pressed.stiffness = 2 * energyOf(body, moves, callbacks);
+        return pressed.modulus = pressed.stiffness * pressed.gauge / pressed.area;
+    };
+    modulus();
     result.bonds = bonds.size();
     result.law = options.law;
     result.boundary = pressed.held[0] + pressed.held[1];
     if (recipe.fits) {
         if (!(pressed.modulus > 0))
             throw ParameterError("`bond-modulus-for`: no bonds join the two grips of `press`");
-        const double factor = scaleModuli(recipe, pressed.modulus, pack, options, result);
+        const double factor = reachModulus(recipe, pressed.modulus, pack, options, result, [&] {
+            bonds = bondsIn(pack, options);
+            return modulus();
+        });
         pressed.stiffness *= factor, pressed.modulus *= factor;
     }
     result.pressed = pressed;
 }
 
 /// Finds the shear ratio for a Poisson's ratio, which falls as it rises from `kLeastShear`, by
-/// regula falsi (Illinois), then scales the moduli.
-void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, const BondedBody& body,
-         StiffnessResult& result, const Callbacks& callbacks) {
+/// regula falsi (Illinois). @return the Young's modulus with it
+double findShear(const StiffnessRecipe& recipe, const Pack<3>& pack, BondOptions& options,
+                 const BondedBody& body, StiffnessResult& result, const Callbacks& callbacks) {
     const auto offAt = [&](double shear) {
         options.law.shearRatio = shear;
         return solve(pack, options, body, result, callbacks) - recipe.wantedPoisson;
@@ -347,8 +310,14 @@ void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, con
     }
     if (!result.elasticity)
         throw ParameterError("`bond-modulus-for`: some strain of this pack meets no resistance");
-    const double factor =
-        scaleModuli(recipe, result.elasticity->isotropicModulus, pack, options, result);
+    return result.elasticity->isotropicModulus;
+}
+
+/// Finds shear ratio and moduli for a Young's modulus and a Poisson's ratio.
+void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, const BondedBody& body,
+         StiffnessResult& result, const Callbacks& callbacks) {
+    const auto modulus = [&] { return findShear(recipe, pack, options, body, result, callbacks); };
+    const double factor = reachModulus(recipe, modulus(), pack, options, result, modulus);
     for (Vec<6>& row : result.apparent.stiffness) row *= factor;
     result.elasticity = elasticityOf(result.apparent.stiffness);
 }

@@ -88,7 +88,7 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
              const VoidRecipe& voids, Report& report, const Callbacks& callbacks, bool hasPack,
              const std::string& sizeField) {
-    warnOfLightness(settings.density, callbacks);
+    warnOfDensity(settings.density, "", callbacks);
     warnOfUnusedBonds(settings, callbacks);
     for (const DomainSource* source : sources) {
         if (!source->isPeriodic()) continue;
