@@ -71,6 +71,7 @@ void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptio
 /// warns of names of parts, and axes, that a .csv does not hold.
 void noteMissing(const ConvertRecipe& recipe, const PackAttributes& pack, ConvertResult& result,
                  const Callbacks& callbacks) {
+    warnOfDensity(recipe.density, "", callbacks);
     for (const OutputTarget& output : recipe.outputs)
         if (output.kind == OutputKind::pack &&
             (output.extension() == ".csv" || output.extension() == ".xyz") &&
@@ -137,7 +138,6 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         have.labels.space = recipe.domain.space;
     }
     callbacks.stopIfCancelled();
-    warnOfDensity(recipe.density, "", callbacks);
     const SphereDensity density = particleDensity(recipe.density, solid);
     write.particleDensity = density.all;
     write.materialDensity = density.ofRegions;
