@@ -7,6 +7,7 @@
 #include "bench_packs.h"
 #include "bench_preview.h"
 #include "bench_ranks.h"
+#include "bench_relax.h"
 #include "bench_threads.h"
 #include "bench_voids.h"
 #include "bench_write.h"
@@ -105,6 +106,10 @@ const Command kCommands[] = {
          benchDensify(a.threads, a.quick, a.words);
          return 0;
      }},
+    {"relax", "[--quick] [--threads T] [SPHERES ...] [gpu:N ...]",
+     "cost of the steps that move spheres, on the processor and on devices of OpenCL; exit code 1\n"
+     "    if a device makes another pack", 0, kAny,
+     [](const Arguments& a) { return benchRelax(a.threads, a.quick, a.words) ? 0 : 1; }},
     {"voids", "[--quick] [--threads T] MESH[:UNIT] ...",
      "cost of stamping 100,000 ellipsoids, compared with csgDifference one by one and with\n    "
      "packing",
