@@ -305,7 +305,7 @@ private:
     /// A step of all runs, by the device where it is its turn.
     void takeStep(const RelaxationStep& step);
     void stepOnDevice(const RelaxationStep& step);
-    /// Whether the processor's step has the same bits as the device's, which was its first.
+    /// Whether the processor's step has the same bits as the device's.
     bool isDeviceRight(const RelaxationStep& step);
     void toDevice();
     /// Takes back what steps have changed, if the device has it. The end of `run` and of `draw` is

@@ -191,8 +191,9 @@ void Relaxation<Dim>::takeStep(const RelaxationStep& step) {
         deviceTurn_ = false;
         return stepRuns(step);
     }
-    if (device_->isTrusted()) return device_->record(true, watch.seconds());
-    if (isDeviceRight(step)) return device_->trust();
+    const bool pulls = step.range > 1;
+    if (device_->isTrusted(pulls)) return device_->record(true, watch.seconds());
+    if (isDeviceRight(step)) return device_->trust(pulls);
     device_->forsake("a step differs from that of the processor");
     deviceTurn_ = false;
 }

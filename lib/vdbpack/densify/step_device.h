@@ -113,9 +113,9 @@ public:
     bool takesNext();
     /// Time of steps, with what was transferred for them.
     void record(bool byDevice, double seconds, int steps = 1);
-    /// Whether a step had the same bits as the processor's.
-    bool isTrusted() const { return trusted_; }
-    void trust() { trusted_ = true; }
+    /// Whether a step had the same bits as the processor's, by whether gaps pulled in it.
+    bool isTrusted(bool pulls) const { return trusted_[pulls]; }
+    void trust(bool pulls) { trusted_[pulls] = true; }
     /// The processor takes all further steps.
     void forsake(const std::string& why);
     DeviceUse use();
@@ -132,7 +132,8 @@ private:
     virtual void collect() = 0;
 
     Warn warn_;
-    bool chosen_, trusted_ = false, forsaken_ = false;
+    bool chosen_, forsaken_ = false;
+    bool trusted_[2] = {false, false};
     int turns_ = 0;
     struct Times {
         double seconds = 0;
