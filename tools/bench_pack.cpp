@@ -108,8 +108,8 @@ const Command kCommands[] = {
      }},
     {"relax", "[--quick] [--threads T] [SPHERES ...] [gpu:N ...]",
      "cost of the steps that move spheres, on the processor and on devices of OpenCL; exit code 1\n"
-     "    if a device makes another pack", 0, kAny,
-     [](const Arguments& a) { return benchRelax(a.threads, a.quick, a.words) ? 0 : 1; }},
+     "    if a device makes another pack",
+     0, kAny, [](const Arguments& a) { return benchRelax(a.threads, a.quick, a.words) ? 0 : 1; }},
     {"voids", "[--quick] [--threads T] MESH[:UNIT] ...",
      "cost of stamping 100,000 ellipsoids, compared with csgDifference one by one and with\n    "
      "packing",

@@ -139,6 +139,23 @@ TEST_CASE("what stiffness cannot mean is refused or warned of with what to set")
     says("convert " + file + " --density 1.9e6 -o " + folder.file("c.data"), 0, "heavier than");
 }
 
+TEST_CASE("bonds outside of the domain do not stiffen it") {
+    const TemporaryFolder folder;
+    const std::string file = packedIn(folder);
+    const auto modulusIn = [&](const std::string& domain) {
+        const auto run =
+            vdbPack("stiffness " + file + " --contact-tol 0.01 --json --domain " + domain);
+        return jsonOf(run)["isotropic"]["E"].get<double>();
+    };
+    // A half of a pack is about as stiff as the whole, of which more spheres are within.
+    const double half = modulusIn("box:12,12,6"), whole = modulusIn(kBox);
+    CHECK(half > whole);
+    CHECK(half < 1.4 * whole);
+    CHECK_THAT(
+        vdbPack("stiffness " + file + " --domain box:12,12,6 --press z --contact-tol 0.01").text,
+        Contains("protrudes"));
+}
+
 TEST_CASE("a boundary that holds less than a wall would is warned of, as are factors of bonds") {
     const TemporaryFolder folder;
     REQUIRE(vdbPack("pack periodic:30,30,30 --radius uniform:0.8,1.6 --quiet -o " +

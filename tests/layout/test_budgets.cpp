@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 93785},
+    {"lib", 93910},
     {"lib/python", 2063},
-    {"lib/vdbpack/core", 2505},
+    {"lib/vdbpack/core", 2506},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 3883},
     {"lib/vdbpack/verify", 2328},
@@ -32,19 +32,19 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/repair", 2835},
     {"lib/vdbpack/domain", 6982},
     {"lib/vdbpack/pack", 7899},
-    {"lib/vdbpack/densify", 5657},
+    {"lib/vdbpack/densify", 5670},
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5579},
     {"lib/vdbpack/voids", 8077},
-    {"lib/vdbpack/formats", 10257},
+    {"lib/vdbpack/formats", 10280},
     {"lib/vdbpack/report", 4040},
     {"lib/vdbpack/preview", 3427},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7208},
+    {"lib/vdbpack/run", 7296},
     {"tools", 3943},
-    {"tests", 35278},
+    {"tests", 35303},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -294,6 +294,14 @@ TEST_CASE("densities that a calibration gives in another unit are warned of") {
     CHECK(mentions(runPack(recipe).report.warnings, "more than 6000 kg/m³"));
     recipe.grey.calibration = "a=0.001,1000";
     CHECK(mentions(runPack(recipe).report.warnings, "Check the slope"));
+    // A map of six labels in place of the scan.
+    writeNrrd(folder.file("l.nrrd"),
+              Voxels<float>::of(gridAround(20, {{1, 1, 1}}),
+                                [](const Vec<3>& p) { return std::floor((p[0] + 20) / 8); }),
+              "float");
+    CHECK_FALSE(mentions(runPack(recipe).report.warnings, "label map"));
+    recipe.grey.samples = {"a=" + folder.file("l.nrrd")};
+    CHECK(mentions(runPack(recipe).report.warnings, "label map"));
 }
 
 TEST_CASE("voids follow the BV/TV that grey values say") {

@@ -38,6 +38,7 @@ struct PackOrigin {
     std::string axes{};             ///< of a patient: LPS or RAS; empty: none are stated
     double contactTolerance = 0;    ///< with which its contacts were counted; 0: it is not stated
     double interfaceTolerance = 0;  ///< between parts; 0: the same
+    double shearRatio = 0;          ///< k_t / k_n of its bonds; 0: it is not stated
 };
 
 /// Spheres (2D: circles) in mm.

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <initializer_list>
+#include <system_error>
 #include <utility>
 
 #define CL_HPP_ENABLE_EXCEPTIONS
@@ -24,6 +26,14 @@ namespace {
 /// kernels for it, takes about a second.
 constexpr std::uint64_t kManySpheres = 250000;
 constexpr std::size_t kGroup = 256;  // work-items of a run
+
+/// Whether the system has files of a GPU; without them, an automatic choice loads no drivers, whose
+/// libraries take 100 MB.
+bool mayHaveGpu() {
+    for (const char* file : {"/dev/nvidiactl", "/dev/dri/renderD128", "/dev/kfd", "/dev/dxg"})
+        if (std::error_code ignored; std::filesystem::exists(file, ignored)) return true;
+    return false;
+}
 
 /// Calls `work`, with failures as ours.
 template <class Work>
@@ -167,7 +177,8 @@ private:
 std::unique_ptr<StepDevice> StepDevice::open(const DeviceChoice& choice, std::uint64_t spheres,
                                              Warn warn) {
     const bool automatic = choice.kind == DeviceChoice::Kind::automatic;
-    if (choice.kind == DeviceChoice::Kind::processor || (automatic && spheres < kManySpheres))
+    if (choice.kind == DeviceChoice::Kind::processor ||
+        (automatic && (spheres < kManySpheres || !mayHaveGpu())))
         return nullptr;
     const std::vector<cl::Device> all = allDevices();
     if (automatic && (all.empty() || !isGpu(all.front()))) return nullptr;

@@ -123,6 +123,25 @@ void warnOfSmall(const std::vector<Sphere<3>>& balls, const Image& image, const 
             file, small, balls.size(), across, 3 * across));
 }
 
+/// Warns of an image whose few whole values are those of a label map rather than of a scan.
+void warnOfLabels(const Image& image, const std::string& file, const Callbacks& callbacks) {
+    constexpr std::size_t kFewest = 3, kMost = 64, kRead = 1 << 20;
+    std::set<double> found;
+    image.visit([&](const auto* numbers) {
+        const std::size_t step = 1 + image.values() / kRead;
+        for (std::size_t i = 0; i < image.values() && found.size() <= kMost; i += step) {
+            const double value = image.value(numbers[i]);
+            found.insert(value);
+            if (value != std::floor(value)) return found.clear();
+        }
+    });
+    if (found.size() >= kFewest && found.size() <= kMost)
+        callbacks.warn(
+            fmt::format("`samples`: {} has {} different values, all whole, from {:g} to {:g}, as a "
+                        "label map has; name the scan itself",
+                        file, found.size(), *found.begin(), *found.rbegin()));
+}
+
 template <int Dim>
 void addSamples(const GreyRecipe& recipe, const DomainRecipe& domain, Pack<Dim>& pack,
                 const Callbacks& callbacks) {
@@ -139,6 +158,7 @@ void addSamples(const GreyRecipe& recipe, const DomainRecipe& domain, Pack<Dim>&
         const Sample sample = parsed(text);
         const Image image = readGreyImage(sample.file, domain, callbacks);
         warnOfSmall(balls, image, sample.file, callbacks);
+        warnOfLabels(image, sample.file, callbacks);
         auto means = ballMeans(image, balls);
         const auto outside =
             std::count_if(means.begin(), means.end(), [](double v) { return std::isnan(v); });
@@ -233,7 +253,8 @@ Densities densitiesOf(const GreyRecipe& recipe, const PartProperties& parts,
     if (high > 0)
         callbacks.warn(fmt::format(
             "`calibration` {} gives {} of {} spheres more than {:g} kg/m³, which no bone has. "
-            "Check that slope and intercept give kg/m³, which is mg/cm³, and not g/m³",
+            "Check that slope and intercept stand in this order and give kg/m³, which is mg/cm³, "
+            "and not g/m³",
             recipe.calibration, high, densities.all.size(), kMostDensity));
     warnOfSlope(recipe.calibration, grey->numbers, densities, callbacks);
     return densities;

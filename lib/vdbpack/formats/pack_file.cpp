@@ -24,6 +24,7 @@ namespace {
 constexpr const char* kAxesWord = "; axes ";
 constexpr const char* kContactsWord = "; contact tolerance ";
 constexpr const char* kInterfacesWord = "; interface tolerance ";
+constexpr const char* kShearWord = "; bond shear ";
 
 /// Whether a program that reads the format repeats the cell itself.
 bool isOfSimulation(PackFormat format) {
@@ -82,6 +83,7 @@ std::string generatorWith(const std::string& program, const PackOrigin& origin) 
         text += fmt::format("{}{}", kContactsWord, origin.contactTolerance);
     if (origin.interfaceTolerance > origin.contactTolerance)
         text += fmt::format("{}{}", kInterfacesWord, origin.interfaceTolerance);
+    if (origin.shearRatio > 0) text += fmt::format("{}{}", kShearWord, origin.shearRatio);
     return text;
 }
 
@@ -98,7 +100,7 @@ PackOrigin originIn(std::string_view generator) {
     };
     const std::string axes(after(kAxesWord));
     return {axes == "LPS" || axes == "RAS" ? axes : "", numberAfter(kContactsWord),
-            numberAfter(kInterfacesWord)};
+            numberAfter(kInterfacesWord), numberAfter(kShearWord)};
 }
 
 template <int Dim>

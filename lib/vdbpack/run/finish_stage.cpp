@@ -133,7 +133,9 @@ void write(Run<Dim>& run) {
     const BondOptions bonds = bondOptionsOf(settings);
     warnOfUnusedBonds(run.pack, run.pack.origin, bonds, run.callbacks);
     run.pack.origin = {report.axes, bonds.tolerance,
-                       std::max(bonds.interfaceTolerance, run.pack.origin.interfaceTolerance)};
+                       std::max(bonds.interfaceTolerance, run.pack.origin.interfaceTolerance),
+                       bonds.law.shearRatio == BondLaw().shearRatio ? run.pack.origin.shearRatio
+                                                                    : bonds.law.shearRatio};
     const RunOutputs<Dim> have = outputsOf(run);
     if (have.pack)
         keepDensities(run.pack, run.pack.spheres.size(), have.options.particleDensity,

@@ -121,6 +121,12 @@ void warnOfTolerance(const std::string& file, const PackOrigin& origin, const Bo
             "{}: its parts were joined with `interfaceTolerance` {:g}; up to {:g} there are more "
             "bonds, across wider gaps, and stiffer interfaces",
             file, between, now));
+    if (const double shear = origin.shearRatio; shear > 0 && shear != options.law.shearRatio)
+        callbacks.warn(
+            fmt::format("{}: was packed for bonds with k_t / k_n {:g}, and they have {:g} now; set "
+                        "`bond-shear` "
+                        "{:g}",
+                        file, shear, options.law.shearRatio, shear));
     if (options.tolerance >= own && now >= between) return;
     callbacks.warn(fmt::format(
         "{}: its contacts were counted with `contactTolerance` {:g}{}, and there are fewer pairs "

@@ -4,6 +4,7 @@
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/interfaces.h"
+#include "vdbpack/run/stiffness_grips.h"
 #include "vdbpack/run/stiffness_warnings.h"
 
 #include <fmt/format.h>
@@ -28,9 +29,23 @@ constexpr double kFillsBox = 0.48;
 /// Tolerance from which on bonds cross gaps.
 constexpr double kWideGaps = 0.05;
 
+struct Body : BondedBody {
+    std::vector<std::uint8_t> outside;  ///< 1 for spheres with centers outside of the domain
+
+    /// Without bonds between two such spheres: where the boundary holds both, they would add to
+    /// the energy, but not to the volume.
+    std::vector<Bond> within(std::vector<Bond> all) const {
+        if (outside.empty()) return all;
+        all.erase(std::remove_if(all.begin(), all.end(),
+                                 [&](const Bond& b) { return outside[b.i] && outside[b.j]; }),
+                  all.end());
+        return all;
+    }
+};
+
 /// What the spheres fill, in which cell, and which of them are at its wall.
-void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
-                 StiffnessResult& result, const Callbacks& callbacks) {
+void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, Body& body, StiffnessResult& result,
+                 const Callbacks& callbacks) {
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
     const double reach = recipe.boundary.value_or(0.1 * radius.mean);
     std::vector<Vec<3>> centers;
@@ -84,14 +99,16 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, BondedBody& body,
         body.boundary[i] = -depths[i] - pack.spheres[i].radius <= reach;
         result.boundary += body.boundary[i];
     }
+    if (source) body.outside.assign(centers.size(), 0);
+    for (std::size_t i = 0; i < body.outside.size(); ++i) body.outside[i] = depths[i] > 0;
     if (!repeats && !recipe.press)
         warnOfFewHeld(pack, body.boundary, wall, source.has_value(), callbacks);
 }
 
 /// Solves once. @return the Poisson's ratio of the isotropic average
-double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
-             StiffnessResult& result, const Callbacks& callbacks) {
-    const auto bonds = bondsIn(pack, options);
+double solve(const Pack<3>& pack, const BondOptions& options, Body body, StiffnessResult& result,
+             const Callbacks& callbacks) {
+    const auto bonds = body.within(bondsIn(pack, options));
     body.pack = &pack;
     body.bonds = &bonds;
     if (result.bonds == 0) {
@@ -104,74 +121,6 @@ double solve(const Pack<3>& pack, const BondOptions& options, BondedBody body,
     result.apparent = apparentStiffness(body, callbacks);
     result.elasticity = elasticityOf(result.apparent.stiffness);
     return result.elasticity ? result.elasticity->isotropicPoisson : 0;
-}
-
-/// The area that spheres hide, seen along an axis, mm².
-/// @param counts  whether a sphere is one of them.
-template <class Counts>
-double shadowOf(const Pack<3>& pack, int axis, double cell, const Counts& counts) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    const auto at = [cell](double x) { return static_cast<std::int64_t>(std::floor(x / cell)); };
-    const Box<3> box = boxAround(pack);
-    const std::int64_t left = at(box.lo[u]), low = at(box.lo[v]), rows = at(box.hi[v]) - low + 1;
-    std::vector<std::uint8_t> hidden(static_cast<std::size_t>((at(box.hi[u]) - left + 1) * rows));
-    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
-        const Sphere<3>& s = pack.spheres[i];
-        if (!counts(i)) continue;
-        for (std::int64_t x = at(s.center[u] - s.radius); x <= at(s.center[u] + s.radius); ++x)
-            for (std::int64_t y = at(s.center[v] - s.radius); y <= at(s.center[v] + s.radius);
-                 ++y) {
-                const double dx = (static_cast<double>(x) + 0.5) * cell - s.center[u],
-                             dy = (static_cast<double>(y) + 0.5) * cell - s.center[v];
-                if (dx * dx + dy * dy <= s.radius * s.radius)
-                    hidden[static_cast<std::size_t>((x - left) * rows + y - low)] = 1;
-            }
-    }
-    const auto cells = std::count(hidden.begin(), hidden.end(), std::uint8_t{1});
-    return static_cast<double>(cells) * cell * cell;
-}
-
-/// Two grips, and what they hold: as deep as asked, or else four mean radii, and deeper until what
-/// both hold covers `kCovers` of the cross-section: an end may be hollow, such as a vertebra's.
-StiffnessResult::Pressed gripsOn(const StiffnessRecipe& recipe, const Pack<3>& pack, double volume,
-                                 const Callbacks& callbacks) {
-    constexpr double kCovers = 0.8, kLittle = 0.6, kMostShare = 0.25;
-    StiffnessResult::Pressed pressed;
-    const int axis = pressed.axis = *recipe.press;
-    if (pack.cell.isAlong(axis))
-        throw ParameterError(
-            fmt::format("`press` {}: the pack is periodic along it, without ends", "xyz"[axis]));
-    const Box<3> box = boxAround(pack);
-    const double low = pressed.low = box.lo[axis], high = pressed.high = box.hi[axis];
-    const double mean = radiusStatistics(pack.spheres).mean;
-    pressed.area = volume / (high - low);
-    const double whole =
-        std::min(pressed.area, shadowOf(pack, axis, mean / 2, [](std::size_t) { return true; }));
-    pressed.grip = recipe.grip.value_or(4 * mean);
-    for (;; pressed.grip += mean / 2) {
-        for (const int end : {0, 1})
-            pressed.covers[end] =
-                shadowOf(pack, axis, mean / 2,
-                         [&](std::size_t i) {
-                             return pressed.holds(end, pack.spheres[i].center[axis]);
-                         }) /
-                whole;
-        const bool deepest = pressed.grip + mean / 2 > kMostShare * (high - low);
-        if (recipe.grip || deepest || std::min(pressed.covers[0], pressed.covers[1]) >= kCovers)
-            break;
-    }
-    if (const double least = std::min(pressed.covers[0], pressed.covers[1]); least < kLittle)
-        callbacks.warn(fmt::format(
-            "`press` {}: a grip of {:.4g} mm holds only {:.0f} % of the cross-section at one end, "
-            "whose shape then decides the modulus; set a larger `grip`, or `clip` the ends",
-            "xyz"[axis], pressed.grip, 100 * least));
-    pressed.gauge = high - low - 2 * pressed.grip;
-    if (!(pressed.gauge > 2 * mean))
-        throw ParameterError(
-            fmt::format("`press` {}: the pack is {:.4g} mm long, which leaves nothing between two "
-                        "grips of {:.4g} mm; set a smaller `grip`",
-                        "xyz"[axis], high - low, pressed.grip));
-    return pressed;
 }
 
 /// Which spheres keep their moduli while those of others are multiplied: beside bone whose moduli
@@ -239,7 +188,7 @@ double reachModulus(const StiffnessRecipe& recipe, double found, Pack<3>& pack,
 }
 
 /// Presses the body between two rigid grips, by one unit of strain of what lies between them.
-void press(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, BondedBody body,
+void press(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, Body body,
            StiffnessResult& result, const Callbacks& callbacks) {
     StiffnessResult::Pressed pressed = gripsOn(recipe, pack, body.volume, callbacks);
     body.boundary.assign(pack.spheres.size(), 0);
@@ -252,6 +201,16 @@ void press(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, B
         pressed.held[0] += lower;
         pressed.held[1] += upper;
     }
+    std::size_t beyond = 0;
+    for (std::size_t i = 0; i < body.outside.size(); ++i)
+        beyond += body.outside[i] && body.boundary[i];
+    if (constexpr double kBeyond = 0.05;
+        static_cast<double>(beyond) >
+        kBeyond * static_cast<double>(pressed.held[0] + pressed.held[1]))
+        callbacks.warn(fmt::format(
+            "`press` {}: {} of the {} spheres in the grips lie outside of {}: what is pressed is a "
+            "part that protrudes; press along another axis, or shorten that part",
+            "xyz"[pressed.axis], beyond, pressed.held[0] + pressed.held[1], result.body));
     if (pressed.held[0] == 0 || pressed.held[1] == 0)
         throw ParameterError(
             fmt::format("`grip` {:g}: holds the center of no sphere at one end; set a larger one, "
@@ -283,14 +242,22 @@ void press(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, B
 }
 
 /// Finds the shear ratio for a Poisson's ratio, which falls as it rises from `kLeastShear`, by
-/// regula falsi (Illinois). @return the Young's modulus with it
+/// regula falsi (Illinois): near the ratio of `options`, if `known`, or anywhere.
+/// @return the Young's modulus with it
 double findShear(const StiffnessRecipe& recipe, const Pack<3>& pack, BondOptions& options,
-                 const BondedBody& body, StiffnessResult& result, const Callbacks& callbacks) {
+                 const Body& body, StiffnessResult& result, bool known,
+                 const Callbacks& callbacks) {
     const auto offAt = [&](double shear) {
         options.law.shearRatio = shear;
         return solve(pack, options, body, result, callbacks) - recipe.wantedPoisson;
     };
-    double low = kLeastShear, high = kMostShear, offLow = offAt(low), offHigh = offAt(high);
+    constexpr double kNear = 1.25;
+    const double start = options.law.shearRatio;
+    double low = known ? std::max(kLeastShear, start / kNear) : kLeastShear;
+    double high = known ? std::min(kMostShear, start * kNear) : kMostShear;
+    double offLow = offAt(low), offHigh = offAt(high);
+    if (known && (offLow < 0 || offHigh > 0))
+        return findShear(recipe, pack, options, body, result, false, callbacks);
     if (offLow < -kPoissonError || offHigh > kPoissonError)
         throw ParameterError(
             fmt::format("`bond-modulus-for`: bonds give this pack Poisson's ratios from {:.4f} "
@@ -314,12 +281,29 @@ double findShear(const StiffnessRecipe& recipe, const Pack<3>& pack, BondOptions
 }
 
 /// Finds shear ratio and moduli for a Young's modulus and a Poisson's ratio.
-void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, const BondedBody& body,
+void fit(const StiffnessRecipe& recipe, Pack<3>& pack, BondOptions& options, const Body& body,
          StiffnessResult& result, const Callbacks& callbacks) {
-    const auto modulus = [&] { return findShear(recipe, pack, options, body, result, callbacks); };
-    const double factor = reachModulus(recipe, modulus(), pack, options, result, modulus);
+    const auto modulus = [&](bool known) {
+        return findShear(recipe, pack, options, body, result, known, callbacks);
+    };
+    const double factor =
+        reachModulus(recipe, modulus(false), pack, options, result, [&] { return modulus(true); });
     for (Vec<6>& row : result.apparent.stiffness) row *= factor;
     result.elasticity = elasticityOf(result.apparent.stiffness);
+}
+
+/// Warns of bonds that are not those with which the pack was made.
+void warnOfOtherBonds(const StiffnessRecipe& recipe, PackOrigin made, const BondOptions& options,
+                      const Callbacks& callbacks) {
+    if (recipe.fits && !recipe.press) made.shearRatio = 0;  // it is sought
+    warnOfTolerance(recipe.pack, made, options, callbacks);
+    const double own = made.contactTolerance;
+    if (own > 0 && options.tolerance > std::max(kWideGaps, 5 * own))
+        callbacks.warn(fmt::format(
+            "`contactTolerance` {:g} bonds spheres across gaps of up to so many radii, and {} was "
+            "packed with {:g}: more bonds, and a stiffer pack. Those between parts alone are set "
+            "by `interfaceTolerance`",
+            options.tolerance, recipe.pack, own));
 }
 
 }  // namespace
@@ -346,19 +330,12 @@ StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& cal
         result.spheres = pack.spheres.size();
         result.ownModuli = columnOfNumbers(pack, kModulusColumn) != nullptr;
         result.seconds.mesh = clock.lap();
-        BondedBody body;
+        Body body;
         setBoundary(recipe, pack, body, result, heard);
         result.volume = body.volume;
         result.seconds.domain = clock.lap();
         BondOptions options = bondOptionsOf(recipe);
-        warnOfTolerance(recipe.pack, pack.origin, options, heard);
-        const double own = pack.origin.contactTolerance;
-        if (own > 0 && options.tolerance > std::max(kWideGaps, 5 * own))
-            heard.warn(fmt::format(
-                "`contactTolerance` {:g} bonds spheres across gaps of up to so many radii, and {} "
-                "was packed with {:g}: more bonds, and a stiffer pack. Those between parts alone "
-                "are set by `interfaceTolerance`",
-                options.tolerance, recipe.pack, own));
+        warnOfOtherBonds(recipe, pack.origin, options, heard);
         warnOfUnusedBonds(pack, pack.origin, options, heard);
         if (recipe.press)
             press(recipe, pack, options, body, result, heard);

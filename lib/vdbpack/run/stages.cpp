@@ -145,10 +145,10 @@ void warnOfUnusedBonds(const RunSettings& settings, const Callbacks& callbacks) 
     const BondOptions& bonds = settings.bonds;
     const BondLaw& law = bonds.law;
     const BondOptions usual;
-    const bool isSet =
-        law.modulus != usual.law.modulus || law.isHinged || law.breakingStrain ||
-        law.radiusFactor != usual.law.radiusFactor || law.shearRatio != usual.law.shearRatio ||
-        law.shearStrength != usual.law.shearStrength || bonds.classes != usual.classes;
+    const bool isSet = law.modulus != usual.law.modulus || law.isHinged || law.breakingStrain ||
+                       law.radiusFactor != usual.law.radiusFactor ||
+                       law.shearStrength != usual.law.shearStrength ||
+                       bonds.classes != usual.classes;
     if (isSet && std::none_of(settings.outputs.begin(), settings.outputs.end(),
                               [](const OutputTarget& output) { return output.listsBonds(); }))
         callbacks.warn(
