@@ -119,6 +119,35 @@ TEST_CASE("an implant keeps its modulus where bonds for a wanted modulus are sou
     CHECK_THAT(beyond.text, Contains("part 1") && Contains("own"));
 }
 
+TEST_CASE("parts that few bonds join are said to be a weak plane, by what would join them") {
+    const TemporaryFolder folder;
+    const auto apart = [&](double gap) {  // the upper half, raised
+        std::ifstream from(packedIn(folder));
+        const std::string file = folder.file("a.csv");
+        std::ofstream to(file);
+        std::string line;
+        std::getline(from, line);
+        to << "x,y,z,radius,part\n";
+        while (std::getline(from, line)) {
+            std::istringstream fields(line);
+            std::string id, x, y, z, r;
+            for (std::string* field : {&id, &x, &y, &z, &r}) std::getline(fields, *field, ',');
+            const bool upper = std::stod(z) > 0;
+            to << x << ',' << y << ',' << std::stod(z) + (upper ? gap : 0) << ',' << r << ','
+               << upper << '\n';
+        }
+        return "stiffness " + file + " --press z --contact-tol 0.01 --domain box:12,12,12.2";
+    };
+    CHECK_THAT(vdbPack(apart(0)).text, !Contains("weak plane"));
+    const auto run = vdbPack(apart(0.2));
+    const std::string advice = "--interface-tol ";
+    CHECK_THAT(run.text, Contains("part 0 and part 1") && Contains("weak plane"));
+    const auto at = run.text.find(advice);
+    REQUIRE(at != std::string::npos);
+    const std::string word = run.text.substr(at, run.text.find(' ', at + advice.size()) - at);
+    CHECK_THAT(vdbPack(apart(0.2) + " " + word).text, !Contains("weak plane"));
+}
+
 TEST_CASE("what stiffness cannot mean is refused or warned of with what to set") {
     const TemporaryFolder folder;
     const std::string file = packedIn(folder), words = file + " --domain " + kBox;

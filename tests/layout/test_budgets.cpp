@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 93910},
+    {"lib", 93941},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2506},
     {"lib/vdbpack/io", 2961},
@@ -42,9 +42,9 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7296},
+    {"lib/vdbpack/run", 7327},
     {"tools", 3943},
-    {"tests", 35303},
+    {"tests", 35332},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

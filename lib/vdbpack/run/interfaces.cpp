@@ -229,31 +229,53 @@ void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,
 template <class Pair>
 void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
                       const Callbacks& callbacks) {
-    constexpr std::uint64_t kFewBonds = 10;
+    constexpr double kNear = 0.5;  // gap, in smaller radii, of spheres that are side by side
     const Materials materials(pack);
     if (!materials.hasParts()) return;
-    std::map<std::int32_t, std::uint64_t> joined;
-    for (std::size_t i = 0; i < pack.spheres.size(); ++i) joined[materials.partOf(i)];
-    for (const Pair& b : pairs)
-        if (const auto p = materials.partOf(b.i), q = materials.partOf(b.j); p != q)
-            ++joined[p], ++joined[q];
+    const auto partsOf = [&](const auto& pair) {
+        return std::minmax({materials.partOf(pair.i), materials.partOf(pair.j)});
+    };
+    using Two = std::pair<std::int32_t, std::int32_t>;
+    std::map<Two, std::vector<double>> near;  // gaps, in smaller radii
+    std::map<Two, double> joined;
+    std::map<std::int32_t, bool> touches;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) touches[materials.partOf(i)];
+    for (const Contact& c : listContacts(pack.spheres, kNear))
+        near[partsOf(c)].push_back(c.gap /
+                                   std::min(pack.spheres[c.i].radius, pack.spheres[c.j].radius));
+    for (const Pair& b : pairs) ++joined[partsOf(b)];
     const std::vector<std::string>& names = partNames(pack);
-    const double stated = pack.origin.interfaceTolerance;
-    for (const auto& [part, count] : joined) {
-        if (count >= kFewBonds || joined.size() < 2) continue;
+    const auto nameOf = [&](std::int32_t part) {
         const auto at = static_cast<std::size_t>(part);
+        return at < names.size() ? names[at] : fmt::format("part {}", part);
+    };
+    for (auto& [two, gaps] : near) {
+        const auto [p, q] = two;
+        if (p == q) continue;
+        touches[p] = touches[q] = true;
+        const auto within = [&](std::int32_t part) {
+            const auto own = near.find({part, part});
+            return own == near.end() ? 0
+                                     : joined[own->first] / static_cast<double>(own->second.size());
+        };
+        const double wanted = std::min(within(p), within(q)) * static_cast<double>(gaps.size());
+        if (wanted < kFew || joined[two] >= kWeak * wanted) continue;
+        const auto nth = gaps.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                            gaps.size() - 1, static_cast<std::size_t>(wanted)));
+        std::nth_element(gaps.begin(), nth, gaps.end());
         callbacks.warn(fmt::format(
-            "{} has {}; {} `interfaceTolerance` to {}what a run that packs the parts and writes "
-            "`bonds:` or `contacts:` advises",
-            at < names.size() ? names[at] : fmt::format("part {}", part),
-            count == 0   ? "no bond that connects it to another part"
-            : count == 1 ? "1 bond with other parts, which takes next to no load over to it"
-                         : fmt::format("{} bonds with other parts, which take next to no load over "
-                                       "to it",
-                                       count),
-            count == 0 ? "if it touches others and does not lie apart from them, set" : "set",
-            stated > 0 ? fmt::format("{:g}, which the file states, or ", stated) : ""));
+            "{} and {}: {:.0f} bonds join them, where about {:.0f} would as each is joined within, "
+            "so "
+            "that the interface is a weak plane; `interfaceTolerance` {:g} gives it as many",
+            nameOf(p), nameOf(q), joined[two], wanted, std::ceil(*nth * 100) / 100));
     }
+    for (const auto& [part, touching] : touches)
+        if (!touching && touches.size() > 1)
+            callbacks.warn(
+                fmt::format("{} has no bond that connects it to another part, nor does it lie "
+                            "beside one; check "
+                            "where it is, or leave it out",
+                            nameOf(part)));
 }
 
 template void warnOfLooseParts(const Pack<3>&, const std::vector<Bond>&, const Callbacks&);

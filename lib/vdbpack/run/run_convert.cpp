@@ -69,8 +69,8 @@ void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptio
 
 /// Notes the density that files for LAMMPS take where none is known, and the modulus of bonds;
 /// warns of names of parts, and axes, that a .csv does not hold.
-void noteMissing(const ConvertRecipe& recipe, const PackAttributes& pack, ConvertResult& result,
-                 const Callbacks& callbacks) {
+void noteMissing(const ConvertRecipe& recipe, const PackAttributes& pack, const PackOrigin& origin,
+                 ConvertResult& result, const Callbacks& callbacks) {
     warnOfDensity(recipe.density, "", callbacks);
     for (const OutputTarget& output : recipe.outputs)
         if (output.kind == OutputKind::pack &&
@@ -79,6 +79,15 @@ void noteMissing(const ConvertRecipe& recipe, const PackAttributes& pack, Conver
             callbacks.warn(fmt::format(
                 "{}: holds neither the names of the parts ({}) nor axes; .vtp and .vdb keep them",
                 output.file, fmt::join(partNames(pack), ", ")));
+    const double tolerance = origin.contactTolerance;
+    for (const OutputTarget& output : recipe.outputs)
+        if (output.kind == OutputKind::pack && output.extension() == ".csv" &&
+            tolerance > StiffnessRecipe().contactTolerance)
+            callbacks.warn(
+                fmt::format("{}: does not hold that contacts were counted with `contactTolerance` "
+                            "{:g}; set it in "
+                            "runs on this file, or write .vtp or .vdb",
+                            output.file, tolerance));
     const bool isStated = columnOfNumbers(pack, kDensityColumn) || columnOfNumbers(pack, "density");
     const auto hasMasses = [](const OutputTarget& output) {
         return output.kind == OutputKind::materials ||
@@ -146,7 +155,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.hash = packHash(pack);
     addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
     keepDensities(pack, pack.spheres.size(), write.particleDensity, write.materialDensity);
-    noteMissing(recipe, pack, result, callbacks);
+    noteMissing(recipe, pack, pack.origin, result, callbacks);
     if constexpr (Dim == 3) notePairs(recipe, pack, write.bonds, result, callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
     PreviewOptions preview = recipe.preview;
