@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 93941},
+    {"lib", 93943},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2506},
     {"lib/vdbpack/io", 2961},
@@ -32,7 +32,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/repair", 2835},
     {"lib/vdbpack/domain", 6982},
     {"lib/vdbpack/pack", 7899},
-    {"lib/vdbpack/densify", 5670},
+    {"lib/vdbpack/densify", 5672},
     {"lib/vdbpack/bonds", 695},
     {"lib/vdbpack/measure", 5579},
     {"lib/vdbpack/voids", 8077},

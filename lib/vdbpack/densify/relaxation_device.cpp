@@ -51,7 +51,6 @@ void Relaxation<Dim>::toDevice() {
         const Run& run = runs_[k];
         DeviceRun& place = places[k];
         place.first = run.first;
-        place.slots = run.last - run.first;
         place.members = static_cast<std::uint32_t>(run.members.size());
         place.wallMembers = static_cast<std::uint32_t>(run.wallMembers);
         place.ranks = static_cast<std::uint32_t>(run.ranks.size());

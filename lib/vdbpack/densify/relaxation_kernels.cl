@@ -34,7 +34,7 @@ INLINE ulong mix64(ulong x) {  // as in core/rng.h
 
 // What the host has under the same names, in step_device.h.
 typedef struct DeviceRun {
-    uint first, slots, member, members, wallMembers, id, rank, ranks, plane, edge;
+    uint first, member, members, wallMembers, id, rank, ranks, plane, edge;
 } DeviceRun;
 typedef struct DeviceStep {
     ulong seed, clock;

@@ -56,9 +56,12 @@ void Relaxation<Dim>::addPlanes(const Run& run, const std::uint32_t* slots,
         const auto add = [&](const std::vector<WallPlane>& planes,
                              const std::vector<std::uint32_t>& ends, const one::Law& law,
                              bool isWall) {
-            for (std::uint32_t p = k > 0 ? ends[k - 1] : 0; p < ends[k]; ++p)
-                one::addPlane(&sum, planes[p].nx, planes[p].ny, planes[p].nz,
-                              planes[p].distance(body), body.radius * (1 + delta_), law, isWall);
+            for (std::uint32_t p = k > 0 ? ends[k - 1] : 0; p < ends[k]; ++p) {
+                const WallPlane& plane = planes[p];
+                const float away = plane.distance(body), reach = body.radius * (1 + delta_);
+                if (plane.overlap(away, reach) > law.least)  // else it adds nothing
+                    one::addPlane(&sum, plane.nx, plane.ny, plane.nz, away, reach, law, isWall);
+            }
         };
         add(run.planes, run.planeEnds, wall, true);
         if (!run.edgeEnds.empty()) add(run.edges, run.edgeEnds, edge, false);

@@ -34,10 +34,10 @@ struct RelaxationStep {
     std::uint32_t drifts = 1;  ///< where gaps count: whether spheres move on that nothing pushes
 };
 // What relaxation_kernels.cl has under the same names.
-/// A run: numbers of its slots, members and ranks, and where its part of each array begins.
+/// A run: numbers of its members and ranks, and where its part of each array begins.
 struct DeviceRun {
-    std::uint32_t first = 0, slots = 0, member = 0, members = 0, wallMembers = 0, id = 0, rank = 0,
-                  ranks = 0, plane = 0, edge = 0;
+    std::uint32_t first = 0, member = 0, members = 0, wallMembers = 0, id = 0, rank = 0, ranks = 0,
+                  plane = 0, edge = 0;
 };
 struct DeviceStep {
     std::uint64_t seed = 0, clock = 0;
