@@ -27,8 +27,8 @@ namespace {
 constexpr std::uint64_t kManySpheres = 250000;
 constexpr std::size_t kGroup = 256;  // work-items of a run
 
-/// Whether the system has files of a GPU; without them, an automatic choice loads no drivers, whose
-/// libraries take 100 MB.
+/// Whether the system has files of a GPU; without them, an automatic choice asks for no devices:
+/// that alone loads all drivers, and PoCL's takes 60 MB (findings/pocl_memory_of_a_question.sh).
 bool mayHaveGpu() {
     for (const char* file : {"/dev/nvidiactl", "/dev/dri/renderD128", "/dev/kfd", "/dev/dxg"})
         if (std::error_code ignored; std::filesystem::exists(file, ignored)) return true;
