@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 93943},
+    {"lib", 93942},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2506},
     {"lib/vdbpack/io", 2961},
@@ -42,7 +42,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7327},
+    {"lib/vdbpack/run", 7326},
     {"tools", 3943},
     {"tests", 35332},
 };

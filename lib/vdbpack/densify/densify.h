@@ -21,7 +21,7 @@ struct DeviceChoice {
         gpu  ///< any OpenCL device, also one that is slower
     };
     Kind kind = Kind::automatic;
-    int number = 0;  ///< of the device: those of OpenCL, GPUs first
+    int number = 0;  ///< of a device of OpenCL, from 0, GPUs first
 
     bool operator==(const DeviceChoice& o) const { return kind == o.kind && number == o.number; }
 };

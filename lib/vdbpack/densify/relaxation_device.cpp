@@ -186,14 +186,14 @@ void Relaxation<Dim>::takeStep(const RelaxationStep& step) {
     } catch (const StepDevice::Failure& e) {
         // Nothing is lost where the processor has the state still.
         if (onDevice_) throw ResourceError(std::string(e.what()) + "; choose `device` cpu");
-        device_->forsake(e.what());
+        device_->giveUp(e.what());
         deviceTurn_ = false;
         return stepRuns(step);
     }
     const bool pulls = step.range > 1;
     if (device_->isTrusted(pulls)) return device_->record(true, watch.seconds());
     if (isDeviceRight(step)) return device_->trust(pulls);
-    device_->forsake("a step differs from that of the processor");
+    device_->giveUp("a step differs from that of the processor");
     deviceTurn_ = false;
 }
 

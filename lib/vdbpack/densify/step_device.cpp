@@ -12,7 +12,7 @@ StepDevice::StepDevice(DeviceUse use, bool chosen, Warn warn)
 StepDevice::~StepDevice() = default;
 
 bool StepDevice::takesNext() {
-    if (forsaken_ || chosen_) return !forsaken_;
+    if (givenUp_ || chosen_) return !givenUp_;
     // Each takes the steps of some lists first; then the quicker one takes all.
     constexpr int kTrials = 4;
     if (turns_ < kTrials) return turns_++ % 2 == 1;
@@ -25,13 +25,13 @@ void StepDevice::record(bool byDevice, double seconds, int steps) {
     times.steps += static_cast<std::uint64_t>(steps);
 }
 
-void StepDevice::forsake(const std::string& why) {
-    forsaken_ = true;
+void StepDevice::giveUp(const std::string& why) {
+    givenUp_ = true;
     if (warn_) warn_(fmt::format("{}: {}; the processor takes all further steps", use_.name, why));
 }
 
 DeviceUse StepDevice::use() {
-    if (!forsaken_) collect();
+    if (!givenUp_) collect();
     return use_;
 }
 

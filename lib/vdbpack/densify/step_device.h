@@ -117,7 +117,7 @@ public:
     bool isTrusted(bool pulls) const { return trusted_[pulls]; }
     void trust(bool pulls) { trusted_[pulls] = true; }
     /// The processor takes all further steps.
-    void forsake(const std::string& why);
+    void giveUp(const std::string& why);
     DeviceUse use();
 
 protected:
@@ -132,7 +132,7 @@ private:
     virtual void collect() = 0;
 
     Warn warn_;
-    bool chosen_, forsaken_ = false;
+    bool chosen_, givenUp_ = false;
     bool trusted_[2] = {false, false};
     int turns_ = 0;
     struct Times {

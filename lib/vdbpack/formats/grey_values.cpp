@@ -123,7 +123,7 @@ void warnOfSmall(const std::vector<Sphere<3>>& balls, const Image& image, const 
             file, small, balls.size(), across, 3 * across));
 }
 
-/// Warns of an image whose few whole values are those of a label map rather than of a scan.
+/// Warns of an image with a few whole values, as a label map has and a scan has not.
 void warnOfLabels(const Image& image, const std::string& file, const Callbacks& callbacks) {
     constexpr std::size_t kFewest = 3, kMost = 64, kRead = 1 << 20;
     std::set<double> found;

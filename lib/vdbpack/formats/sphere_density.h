@@ -26,7 +26,7 @@ SphereDensity particleDensity(const std::string& text, std::optional<double> sol
 void checkDensity(const std::string& text);
 
 /// Warns of densities that seem to be in another unit.
-/// @param part  whose density it is; empty: that of all.
+/// @param part  its name, if the density is set for one part; else empty.
 void warnOfDensity(const std::string& text, const std::string& part, const Callbacks& callbacks);
 
 /// Warns of regions of a pack for which `densities` has none, unless it is empty.

@@ -218,7 +218,7 @@ void bondOptions(OptionList& rows, BondOptions& bonds) {
                "bond-coeffs:FILE.lmp has their coefficients");
     rows.number("interface-tol", "T", bonds.interfaceTolerance, Range::notNegative,
                 "spheres of two parts are bonded up to a gap of this share of the smaller radius, "
-                "if it is larger than `contact-tol`, which is that of all others")
+                "if it is larger than `contact-tol`, which holds for all other pairs")
         .as("interfaceTolerance");
 }
 

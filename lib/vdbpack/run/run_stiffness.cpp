@@ -123,9 +123,8 @@ double solve(const Pack<3>& pack, const BondOptions& options, Body body, Stiffne
     return result.elasticity ? result.elasticity->isotropicPoisson : 0;
 }
 
-/// Which spheres keep their moduli while those of others are multiplied: beside bone whose moduli
-/// follow its grey values, those of parts with one modulus of their own, such as implants. Empty:
-/// none does.
+/// Which spheres keep their moduli while others are multiplied: spheres of parts with one modulus,
+/// such as implants, beside parts whose moduli follow grey values. Empty: none does.
 std::vector<std::uint8_t> keptModuli(const Pack<3>& pack, StiffnessResult& result) {
     const Column* column = columnOfNumbers(pack, kModulusColumn);
     const Materials materials(pack);
