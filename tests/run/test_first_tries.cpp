@@ -56,6 +56,22 @@ TEST_CASE("a folder of masks is packed as parts whose names are in every file") 
     }
 }
 
+TEST_CASE("a pack that falls apart is warned of, and two separate bodies are not") {
+    const TemporaryFolder folder;
+    const auto warningsWithNeck = [&](double neck) {
+        const auto isInside = [&](const Vec<3>& p) {
+            const Vec<3> fromAxis{{p[0], p[1], 0}};
+            return length(p - Vec<3>{{0, 0, -6}}) < 4 || length(p - Vec<3>{{0, 0, 6}}) < 4 ||
+                   (std::abs(p[2]) < 6 && length(fromAxis) < neck);
+        };
+        const std::string file = folder.file("bodies.nrrd");
+        writeNrrd(file, Voxels<std::uint8_t>::of(voxelsOfHalfMillimeter(), isInside), "uint8");
+        return warningsOf(recipeFor(file, "uniform:0.8,1"));
+    };
+    CHECK_FALSE(mentions(warningsWithNeck(0), "largest connected component"));
+    CHECK(mentions(warningsWithNeck(0.7), "largest connected component"));
+}
+
 TEST_CASE("a pack written in another unit has its own hash when it is read back in it") {
     const TemporaryFolder folder;
     const Unit unit = GENERATE(Unit::meter, Unit::micrometer);

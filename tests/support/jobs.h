@@ -74,6 +74,9 @@ Job settled(Job job) {
 inline RunResult runPack(const PackJob& job, const Callbacks& callbacks = {}) {
     return vdbpack::runPack(settled(job), callbacks);
 }
+inline std::vector<std::string> warningsOf(const PackJob& recipe) {
+    return runPack(recipe).report.warnings;
+}
 inline RunResult runVoids(const VoidsJob& job, const Callbacks& callbacks = {}) {
     return vdbpack::runVoids(settled(job), callbacks);
 }

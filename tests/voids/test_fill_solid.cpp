@@ -20,10 +20,6 @@ PackJob porousBall(const std::string& source) {
     return recipe;
 }
 
-std::vector<std::string> warningsOf(const PackJob& recipe) {
-    return runPack(recipe).report.warnings;
-}
-
 }  // namespace
 
 TEST_CASE("the solid beside voids is filled in one run, inside the bone and the written solid") {

@@ -1,5 +1,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
@@ -31,6 +32,18 @@ std::string percent(double share) {
     return fmt::format("{:.3g} %", 100 * share);
 }
 
+/// Share of the domain in its largest component, as of two separate bones.
+double largestBody(const DomainSource& source) {
+    if (!source.mesh() || !source.isWhole()) return 1;
+    double largest = 0, all = 0;
+    for (const Shell& shell : analyzeShells(*source.mesh()).shells) {
+        if (shell.depth > 0) continue;
+        largest = std::max(largest, std::fabs(shell.signedVolume));
+        all += std::fabs(shell.signedVolume);
+    }
+    return all > 0 ? largest / all : 1;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -60,11 +73,12 @@ void warnOfLooseSpheres(const Run<Dim>& run) {
     }
     // Contacts are reported at a tolerance at which densified spheres hardly touch.
     if (run.connectionTolerance() > run.settings.contactTolerance) return;
-    if (report.contacts->largestComponent < kConnected)
-        run.callbacks.warn(fmt::format(
-            "the largest connected component has only {} of the {}, at a contact tolerance of {}. "
-            "Give smaller radii, or check whether the domain has several components",
-            percent(report.contacts->largestComponent), spheres, run.settings.contactTolerance));
+    const double share = report.contacts->largestComponent;
+    if (share >= kConnected || share >= kConnected * largestBody(*run.source)) return;
+    run.callbacks.warn(fmt::format(
+        "the largest connected component has only {} of the {}, at a contact tolerance of {}. "
+        "Give smaller radii, or a wider `contactTolerance`",
+        percent(share), spheres, run.settings.contactTolerance));
 }
 
 template <int Dim>
