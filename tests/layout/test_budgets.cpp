@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 93942},
+    {"lib", 93956},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2506},
     {"lib/vdbpack/io", 2961},
@@ -42,9 +42,9 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7326},
+    {"lib/vdbpack/run", 7340},
     {"tools", 3943},
-    {"tests", 35332},
+    {"tests", 35347},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;
