@@ -192,7 +192,7 @@ TEST_CASE("a wall thinner than a voxel is still inside where it is") {
 }
 
 TEST_CASE("meshes without an inside are refused with a reason") {
-    REQUIRE_THROWS_WITH(meshDomain({}, options(0.5)), Contains("bone"));
+    REQUIRE_THROWS_WITH(meshDomain(TriangleMesh(), options(0.5)), Contains("bone"));
     TriangleMesh one;
     one.vertices = {{{0, 0, 0}}, {{10, 0, 0}}, {{0, 10, 0}}};
     one.triangles = {{0, 1, 2}};

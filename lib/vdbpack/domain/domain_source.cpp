@@ -143,31 +143,33 @@ void DomainSource::takeShape(const NamedShape& shape) {
 void DomainSource::takeSurface(const Callbacks& callbacks) {
     const bool isFile = !isInMemory(recipe_);
     const bool isVdb = isFile && extensionOf(recipe_.source) == ".vdb";
+    TriangleMesh mesh;
     if (isVdb && recipe_.threshold) {
         if (!recipe_.threshold->value)
             throw ParameterError(
                 fmt::format("`threshold` {}: is found for images, and {} is none; give a number",
                             recipe_.threshold->text(), recipe_.source));
-        mesh_ = fogVolumeMesh(recipe_.source, recipe_.gridName, recipe_.scale,
-                              *recipe_.threshold->value, recipe_.unit);
-        place(*mesh_, recipe_, callbacks);
+        mesh = fogVolumeMesh(recipe_.source, recipe_.gridName, recipe_.scale,
+                             *recipe_.threshold->value, recipe_.unit);
+        place(mesh, recipe_, callbacks);
     } else if (isVdb || recipe_.levelSet) {
         levelSet_ = isVdb ? domainLevelSet(recipe_) : recipe_.levelSet;
-        mesh_ = levelSetMesh(*levelSet_, recipe_.source);
-        place(*mesh_, recipe_, callbacks);
+        mesh = levelSetMesh(*levelSet_, recipe_.source);
+        place(mesh, recipe_, callbacks);
         // What is moved is the contour alone.
         if (recipe_.pose.any()) levelSet_ = nullptr;
     } else {
-        mesh_ = isImage(recipe_) ? imageMesh(recipe_, callbacks, imageGrid_, spaced_, sided_)
-                                 : readDomainMesh(recipe_, callbacks, repair_);
+        mesh = isImage(recipe_) ? imageMesh(recipe_, callbacks, imageGrid_, spaced_, sided_)
+                                : readDomainMesh(recipe_, callbacks, repair_);
     }
-    if (isFile && !levelSet_ && !isImage(recipe_)) warnOfLostDigits(*mesh_, recipe_, callbacks);
+    if (isFile && !levelSet_ && !isImage(recipe_)) warnOfLostDigits(mesh, recipe_, callbacks);
+    mesh_ = std::make_shared<const TriangleMesh>(std::move(mesh));
     takeMesh(callbacks);
 }
 
 DomainSource::DomainSource(const DomainRecipe& recipe, TriangleMesh mesh,
                            const Callbacks& callbacks)
-    : recipe_(recipe), mesh_(std::move(mesh)) {
+    : recipe_(recipe), mesh_(std::make_shared<const TriangleMesh>(std::move(mesh))) {
     takeCuts();
     takeMesh(callbacks);
 }
@@ -204,7 +206,7 @@ void DomainSource::cutBy(const DomainSource& other) {
 }
 
 DomainSource::DomainSource(TriangleMesh mesh, const std::string& name, double voxelSize)
-    : mesh_(std::move(mesh)), sound_(true) {
+    : mesh_(std::make_shared<const TriangleMesh>(std::move(mesh))), sound_(true) {
     recipe_.source = name;
     recipe_.voxelSize = voxelSize;
     fileBounds_ = mesh_->bounds();
@@ -301,8 +303,8 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
     if (mesh_) {
         FieldOptions options = fieldOptions(minRadius, maxRadius, voxelSize);
         if (fromOuter && hasCavities()) options.envelope = meshEnvelope(options, callbacks);
-        built.mesh = levelSet_ ? levelSetDomain(levelSet_, *mesh_, options, callbacks)
-                               : meshDomain(*mesh_, options, callbacks);
+        built.mesh = levelSet_ ? levelSetDomain(levelSet_, mesh_, options, callbacks)
+                               : meshDomain(mesh_, options, callbacks);
     }
     built.space = built.mesh ? std::static_pointer_cast<const Domain<3>>(built.mesh) : space_;
     if (recipe_.slice) {

@@ -73,9 +73,9 @@ public:
 
     int dim() const;        ///< 2 for rect, disc and slices
     double volume() const;  ///< of a whole file or of a shape, mm^dim
-    bool isFile() const { return mesh_.has_value(); }
+    bool isFile() const { return mesh_ != nullptr; }
     bool hasCavities() const;  ///< closed components of the surface inside others
-    const std::optional<TriangleMesh>& mesh() const { return mesh_; }
+    const SharedMesh& mesh() const { return mesh_; }  ///< null: a shape
     /// That `mesh()` is the contour of; null: it is none.
     const std::shared_ptr<const VdbGrid>& levelSet() const { return levelSet_; }
     const Box<3>& fileBounds() const { return fileBounds_; }
@@ -141,8 +141,8 @@ public:
 
 private:
     DomainRecipe recipe_;
-    std::optional<TriangleMesh> mesh_;  ///< of a file, level sets contoured
-    bool sound_ = false;                ///< `mesh_` needs no checks
+    SharedMesh mesh_;     ///< of a file, level sets contoured; null: a shape
+    bool sound_ = false;  ///< `mesh_` needs no checks
     std::optional<ImageGrid> imageGrid_;
     bool spaced_ = false, sided_ = false;
     std::shared_ptr<const RepairReport> repair_;

@@ -110,7 +110,7 @@ private:
 };
 
 struct Parts {
-    TriangleMesh mesh;
+    SharedMesh mesh;
     std::unique_ptr<const VdbField> field;
     std::unique_ptr<const FacetBins<3>> bins;
     std::unique_ptr<const MeshSides> sides;
@@ -135,12 +135,12 @@ class FieldDomain : public MeshDomain,
                     public Sliceable,
                     public std::enable_shared_from_this<FieldDomain> {
 public:
-    explicit FieldDomain(Parts parts) : parts_(std::move(parts)), bounds_(parts_.mesh.bounds()) {}
+    explicit FieldDomain(Parts parts) : parts_(std::move(parts)), bounds_(parts_.mesh->bounds()) {}
 
     Box<3> bounds() const override { return bounds_; }
     double volume() const override { return parts_.volume; }
     std::optional<Vec<3>> centroid() const override {
-        const auto inside = areaAndIntegrals(parts_.mesh, parts_.nesting.facing).second;
+        const auto inside = areaAndIntegrals(*parts_.mesh, parts_.nesting.facing).second;
         // What surfaces with flaws enclose may not be what the field has inside.
         const double difference = std::abs(std::abs(inside.volume) - parts_.volume);
         if (!(difference <= kVolumeTolerance * parts_.volume)) return std::nullopt;
@@ -162,10 +162,10 @@ public:
     std::shared_ptr<const VdbGrid> grid() const override { return parts_.field->surface(); }
     std::shared_ptr<const VdbGrid> gridOf(double voxelSize) const override {
         if (std::abs(voxelSize - parts_.field->voxelSize()) < 1e-9 * voxelSize) return grid();
-        requireVoxels(parts_.name, parts_.mesh, parts_.area, voxelSize, 0);
-        return VdbField(parts_.mesh, parts_.nesting, voxelSize, 0).surface();
+        requireVoxels(parts_.name, *parts_.mesh, parts_.area, voxelSize, 0);
+        return VdbField(*parts_.mesh, parts_.nesting, voxelSize, 0).surface();
     }
-    const TriangleMesh& wall() const override { return parts_.mesh; }
+    const TriangleMesh& wall() const override { return *parts_.mesh; }
     std::shared_ptr<const Domain<2>> slice(double height) const override {
         auto envelope = parts_.envelope ? sliceDomain(parts_.envelope, height) : nullptr;
         return meshSlice(shared_from_this(), parts_.nesting.facing, height, std::move(envelope));
@@ -319,8 +319,9 @@ DomainFacts factsOf(const TriangleMesh& mesh, const MeshHealth& health, const Fi
 }
 
 /// @param levelSet  whose contour the mesh is; null: none.
-Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& options,
+Parts makeParts(SharedMesh shared, const VdbGrid* levelSet, const FieldOptions& options,
                 const std::string& kind, const Callbacks& callbacks) {
+    const TriangleMesh& mesh = *shared;
     requireLengths(options);
     requireUsableMesh(mesh, options.name);
     const auto analysis = options.analysis
@@ -337,7 +338,7 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     invokeAll(
         [&] { builder.build(levelSet); },
         [&] { parts.bins = std::make_unique<const FacetBins<3>>(facetsOf(mesh)); },
-        [&] { parts.sides = std::make_unique<const MeshSides>(mesh, parts.nesting.watertight); });
+        [&] { parts.sides = std::make_unique<const MeshSides>(shared, parts.nesting.watertight); });
     if (!isClean(health)) {
         callbacks.warn(fmt::format(
             "{}: the mesh has flaws: {}; its field is sound and is used ({:.6g} mm³, the mesh "
@@ -353,7 +354,7 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     parts.field = std::move(builder.field);
     parts.contour = builder.contour;
     parts.envelope = options.envelope;
-    parts.mesh = std::move(mesh);
+    parts.mesh = std::move(shared);
     parts.name = options.name;
     return parts;
 }
@@ -362,6 +363,11 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
 
 std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const FieldOptions& options,
                                              const Callbacks& callbacks) {
+    return meshDomain(std::make_shared<const TriangleMesh>(std::move(mesh)), options, callbacks);
+}
+
+std::shared_ptr<const MeshDomain> meshDomain(SharedMesh mesh, const FieldOptions& options,
+                                             const Callbacks& callbacks) {
     auto domain = std::make_shared<FieldDomain>(
         makeParts(std::move(mesh), nullptr, options, "mesh", callbacks));
     callbacks.report("domain", 1, static_cast<double>(domain->facts().activeVoxels));
@@ -369,7 +375,7 @@ std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const FieldOptio
 }
 
 std::shared_ptr<const MeshDomain> levelSetDomain(std::shared_ptr<const VdbGrid> grid,
-                                                 TriangleMesh mesh, const FieldOptions& options,
+                                                 SharedMesh mesh, const FieldOptions& options,
                                                  const Callbacks& callbacks) {
     return std::make_shared<FieldDomain>(
         makeParts(std::move(mesh), grid.get(), options, "levelset", callbacks));
@@ -380,7 +386,8 @@ std::shared_ptr<const MeshDomain> levelSetDomain(const std::string& path,
                                                  const FieldOptions& options,
                                                  const Callbacks& callbacks) {
     const auto grid = levelSetGrid(path, gridName, scale);
-    return levelSetDomain(grid, levelSetMesh(*grid, path), options, callbacks);
+    return levelSetDomain(grid, std::make_shared<const TriangleMesh>(levelSetMesh(*grid, path)),
+                          options, callbacks);
 }
 
 double defaultVoxelSize(const TriangleMesh& mesh, double detail) {

@@ -78,12 +78,14 @@ public:
 /// @throws ParameterError for negative options, ResourceError if memory does not suffice.
 std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const FieldOptions& options,
                                              const Callbacks& callbacks = {});
+std::shared_ptr<const MeshDomain> meshDomain(SharedMesh mesh, const FieldOptions& options,
+                                             const Callbacks& callbacks = {});
 
 /// The inside of a level set; its zero contour `mesh` (of `levelSetMesh`) is the wall. The level
 /// set itself is the field where its voxels have about the requested size and lie along x, y, z;
 /// else a field is built as by `meshDomain`. @throws as `meshDomain`
 std::shared_ptr<const MeshDomain> levelSetDomain(std::shared_ptr<const VdbGrid> grid,
-                                                 TriangleMesh mesh, const FieldOptions& options,
+                                                 SharedMesh mesh, const FieldOptions& options,
                                                  const Callbacks& callbacks = {});
 
 /// The same, read from a .vdb file. @throws as `meshDomain` and `levelSetMesh`.

@@ -18,42 +18,61 @@ namespace {
 constexpr double kMostCells = 100;
 /// Meshes with fewer places in cells never do.
 constexpr double kSmall = 65536;
+/// Cells a triangle, on average, above which cells are made larger: over a foam lie so many layers
+/// that cells by the number of triangles are far smaller than one.
+constexpr double kManyCells = 12;
 
 }  // namespace
 
-MeshSides::Columns::Columns(TriangleMesh m) : mesh(std::move(m)), bounds(mesh.bounds()) {
+MeshSides::Columns::Columns(SharedMesh mesh) : shared(std::move(mesh)), bounds(shared->bounds()) {
     // About two columns a triangle keeps both the lists and their overlaps short.
-    const double w = std::max(bounds.size()[0], 1e-300);
-    const double h = std::max(bounds.size()[1], 1e-300);
-    const double wanted = 2.0 * static_cast<double>(mesh.triangles.size()) + 1;
-    const double edge = std::sqrt(w * h / wanted);
-    const double extent[2] = {w, h};
-    for (int a = 0; a < 2; ++a) {
-        count[a] = static_cast<int>(std::clamp(std::ceil(extent[a] / edge), 1.0, 4096.0));
-        perLength[a] = count[a] / extent[a];
-    }
-    if (!fillCells())
-        tree = TriangleTree(mesh.triangles.size(), [&](std::size_t k) {
-            const auto& t = mesh.triangles[k];
-            return TriangleTree::Corners{mesh.vertices[t[0]], mesh.vertices[t[1]],
-                                         mesh.vertices[t[2]]};
+    const Vec<3> size = bounds.size();
+    const auto n = static_cast<double>(shared->triangles.size());
+    double edge = std::sqrt(std::max(size[0], 1e-300) * std::max(size[1], 1e-300) / (2 * n + 1));
+    setCells(edge);
+    double all = places();
+    if (all > kMostCells * n + kSmall) {
+        tree = TriangleTree(shared->triangles.size(), [&](std::size_t k) {
+            const auto& t = shared->triangles[k];
+            return TriangleTree::Corners{shared->vertices[t[0]], shared->vertices[t[1]],
+                                         shared->vertices[t[2]]};
         });
+        return;
+    }
+    while (all > kManyCells * n + kSmall && count[0] * count[1] > 1) {
+        setCells(edge *= 1.4);
+        all = places();
+    }
+    fillCells();
 }
 
-/// Lists the triangles by cells. @return false if they lie over too many.
-bool MeshSides::Columns::fillCells() {
-    struct Range {
-        int i0, i1, j0, j1;
-    };
-    const auto rangeOf = [&](std::size_t k) {
-        Box<3> box;
-        for (const std::uint32_t v : mesh.triangles[k]) box.add(mesh.vertices[v]);
-        return Range{index(box.lo[0], 0), index(box.hi[0], 0), index(box.lo[1], 1),
-                     index(box.hi[1], 1)};
-    };
-    const std::size_t n = mesh.triangles.size();
-    const double places = tbb::parallel_reduce(
-        IndexRange(0, n, 4096), 0.0,
+void MeshSides::Columns::setCells(double edge) {
+    for (int a = 0; a < 2; ++a) {
+        const double extent = std::max(bounds.size()[a], 1e-300);
+        count[a] = static_cast<int>(std::clamp(std::ceil(extent / edge), 1.0, 4096.0));
+        perLength[a] = count[a] / extent;
+    }
+}
+
+MeshSides::Columns::Range MeshSides::Columns::rangeOf(std::size_t triangle) const {
+    Box<3> box;
+    for (const std::uint32_t v : shared->triangles[triangle]) box.add(shared->vertices[v]);
+    return {index(box.lo[0], 0), index(box.hi[0], 0), index(box.lo[1], 1), index(box.hi[1], 1)};
+}
+
+template <class Visit>
+void MeshSides::Columns::forEachCell(std::size_t triangle, const Visit& visit) const {
+    const Range r = rangeOf(triangle);
+    for (int j = r.j0; j <= r.j1; ++j)
+        for (int i = r.i0; i <= r.i1; ++i)
+            visit(static_cast<std::size_t>(j) * static_cast<std::size_t>(count[0]) +
+                  static_cast<std::size_t>(i));
+}
+
+/// Over all triangles, the cells that each meets.
+double MeshSides::Columns::places() const {
+    return tbb::parallel_reduce(
+        IndexRange(0, shared->triangles.size(), 4096), 0.0,
         [&](const IndexRange& part, double sum) {
             for (std::size_t k = part.begin(); k < part.end(); ++k) {
                 const Range r = rangeOf(k);
@@ -62,14 +81,11 @@ bool MeshSides::Columns::fillCells() {
             return sum;
         },
         std::plus<>());
-    if (places > kMostCells * static_cast<double>(n) + kSmall) return false;
-    const auto forEachCell = [&](std::size_t k, const auto& visit) {
-        const Range r = rangeOf(k);
-        for (int j = r.j0; j <= r.j1; ++j)
-            for (int i = r.i0; i <= r.i1; ++i)
-                visit(static_cast<std::size_t>(j) * static_cast<std::size_t>(count[0]) +
-                      static_cast<std::size_t>(i));
-    };
+}
+
+/// Lists the triangles by cells.
+void MeshSides::Columns::fillCells() {
+    const std::size_t n = shared->triangles.size();
     std::vector<std::atomic<std::uint32_t>> next(static_cast<std::size_t>(count[0]) *
                                                  static_cast<std::size_t>(count[1]));
     forAll(n, [&](std::size_t k) {
@@ -85,7 +101,6 @@ bool MeshSides::Columns::fillCells() {
                 static_cast<std::uint32_t>(k);
         });
     });
-    return true;
 }
 
 int MeshSides::Columns::index(double x, int axis) const {
@@ -97,10 +112,10 @@ void MeshSides::Columns::cross(const Vec<3>& x, int& above, int& below) const {
     above = below = 0;
     if (!bounds.contains(x)) return;
     const auto crossOne = [&](std::uint32_t triangle) {
-        const auto& t = mesh.triangles[triangle];
-        if (!coversLine(mesh, t, x)) return;
+        const auto& t = shared->triangles[triangle];
+        if (!coversLine(*shared, t, x)) return;
         // On the wall itself either answer will do.
-        ++(heightOver(mesh, t, x) == Height::above ? above : below);
+        ++(heightOver(*shared, t, x) == Height::above ? above : below);
     };
     if (!tree.empty()) {
         tree.visitAlongZ(x, crossOne);
@@ -117,16 +132,21 @@ Vec<3> MeshSides::turned(const Vec<3>& v, std::size_t axis) {
     return {{v.c[(axis + 1) % 3], v.c[(axis + 2) % 3], v.c[axis]}};
 }
 
-MeshSides::MeshSides(const TriangleMesh& mesh, bool clean) {
+MeshSides::MeshSides(const SharedMesh& mesh, bool clean) {
     // Of a clean mesh one axis will do: z, or that across a mesh long in z, whose lines pass fewer
     // triangles.
-    const Vec<3> size = mesh.bounds().size();
+    const Vec<3> size = mesh->bounds().size();
     const std::size_t across = size[0] < size[1] ? 0 : 1;
     first_ = clean && size[2] > 2 * size.c[across] ? across : 2;
     for (std::size_t k = 0; k < (clean ? 1u : 3u); ++k) {
-        TriangleMesh copy = mesh;
-        for (auto& v : copy.vertices) v = turned(v, (first_ + k) % 3);
-        axes_.emplace_back(std::move(copy));
+        const std::size_t axis = (first_ + k) % 3;
+        if (axis == 2) {
+            axes_.emplace_back(mesh);
+            continue;
+        }
+        TriangleMesh copy = *mesh;
+        for (auto& v : copy.vertices) v = turned(v, axis);
+        axes_.emplace_back(std::make_shared<const TriangleMesh>(std::move(copy)));
     }
 }
 

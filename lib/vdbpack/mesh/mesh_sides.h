@@ -5,6 +5,7 @@
 #include "vdbpack/mesh/triangle_tree.h"
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace vdbpack {
@@ -20,15 +21,18 @@ namespace vdbpack {
 /// many triangles are so long that they lie over too many cells, a few in a tree.
 class MeshSides {
 public:
-    /// @param clean  every edge joins two triangles. `mesh` is welded (welding.h) and copied.
-    MeshSides(const TriangleMesh& mesh, bool clean);
+    /// @param clean  every edge joins two triangles. `mesh` is welded (welding.h), and copied where
+    ///               lines do not go along z.
+    MeshSides(const SharedMesh& mesh, bool clean);
+    MeshSides(const TriangleMesh& mesh, bool clean)
+        : MeshSides(std::make_shared<const TriangleMesh>(mesh), clean) {}
 
     bool inside(const Vec<3>& x) const;
 
 private:
     /// Triangles by the cells of a plane that their shadows meet.
     struct Columns {
-        TriangleMesh mesh;  ///< with the axis of the lines as z
+        SharedMesh shared;  ///< with the axis of the lines as z
         Box<3> bounds;
         int count[2] = {1, 1};
         double perLength[2] = {0, 0};
@@ -36,8 +40,17 @@ private:
         std::vector<std::uint32_t> triangles;
         TriangleTree tree;  ///< instead of the cells
 
-        explicit Columns(TriangleMesh m);
-        bool fillCells();
+        explicit Columns(SharedMesh mesh);
+        void setCells(double edge);
+        double places() const;
+        void fillCells();
+        /// Calls `visit(cell)` for the cells that the shadow's bounds of a triangle meet.
+        template <class Visit>
+        void forEachCell(std::size_t triangle, const Visit& visit) const;
+        struct Range {
+            int i0, i1, j0, j1;
+        };
+        Range rangeOf(std::size_t triangle) const;
         int index(double x, int axis) const;
         /// Crossings above and below `x`.
         void cross(const Vec<3>& x, int& above, int& below) const;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace vdbpack {
@@ -22,6 +23,9 @@ struct TriangleMesh {
         return b;
     }
 };
+
+/// A mesh that several hold, and none changes.
+using SharedMesh = std::shared_ptr<const TriangleMesh>;
 
 /// The mesh with vertices of identical coordinates merged and unused ones dropped; the remaining
 /// ones keep their order. Most functions

@@ -16,6 +16,9 @@ namespace vdbpack {
 
 namespace {
 
+/// Entries of bins a piece, on average: over a foam lie so many layers of pieces that one bin a
+/// piece is far smaller than a piece.
+constexpr std::size_t kMostEntries = 10;
 constexpr double kMostBinsAnAxis = 4096;  // bounds the rows that a large triangle is cut into
 
 template <int Dim>
@@ -138,7 +141,7 @@ void WallCrossings<Dim>::chooseBins() {
                     sv > 0 ? sv / static_cast<double>(bins_[1]) : 1.0};
         // Rows count like entries and counting ends at the limit: a mesh of nothing but giant
         // triangles must not cost the product of triangles and rows.
-        const std::size_t most = 24 * pieces_.size() + 1024;
+        const std::size_t most = kMostEntries * pieces_.size() + 1024;
         std::atomic<std::size_t> entries{0};
         forAllPieces([&](std::size_t i) {
             if (i % 64 == 0 && entries.load(std::memory_order_relaxed) > most) return false;

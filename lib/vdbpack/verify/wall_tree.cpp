@@ -155,10 +155,21 @@ public:
 
     void build() { subtree(0, 0, static_cast<std::uint32_t>(items_.size())); }
 
-    std::vector<WallPiece<Dim>> orderedPieces() const {
-        std::vector<WallPiece<Dim>> ordered(items_.size());
-        forAll(items_.size(), [&](std::size_t k) { ordered[k] = tree_.pieces_[items_[k].piece]; });
-        return ordered;
+    /// Brings the pieces into the order of the items, in place: cycle by cycle.
+    void orderPieces() {
+        auto& pieces = tree_.pieces_;
+        for (std::uint32_t first = 0; first < items_.size(); ++first) {
+            const WallPiece<Dim> start = pieces[first];
+            std::uint32_t k = first;
+            for (;;) {
+                const std::uint32_t from = items_[k].piece;
+                items_[k].piece = k;
+                if (from == first || from == k) break;
+                pieces[k] = pieces[from];
+                k = from;
+            }
+            pieces[k] = start;
+        }
     }
 
 private:
@@ -288,7 +299,7 @@ WallTree<Dim>::WallTree(std::vector<WallPiece<Dim>> pieces) : pieces_(std::move(
         largest = std::max({largest, std::abs(bounds.lo[i]), std::abs(bounds.hi[i])});
     Builder builder(*this, 1e-11 * largest);
     builder.build();
-    pieces_ = builder.orderedPieces();
+    builder.orderPieces();
 }
 
 template <int Dim>
