@@ -76,7 +76,7 @@ kp, kq = numpy.minimum(kind[p], kind[q]), numpy.maximum(kind[p], kind[q])
 taken = numpy.zeros(len(p))
 tangential, rolling, twisting = numpy.zeros(m), numpy.zeros(m), numpy.zeros(m)
 reduced = 1 / (2 / diameter[i] + 2 / diameter[j])  # radius by which LAMMPS counts rolling
-contact = numpy.zeros(m)
+contact, damper = numpy.zeros(m), numpy.zeros(m)
 coefficients = []
 for a in range(CLASSES):
     for b in range(a, CLASSES):
@@ -96,6 +96,7 @@ for a in range(CLASSES):
         mean = lambda values: values[of].mean()
         mass = 0.5 * (spheres["mass"][i] + spheres["mass"][j])[of].mean()
         damping = 2 * DAMPING * math.sqrt(mean(bonds["k_n"]) * mass / 2)
+        damper[of if isBonded else []] = damping
         friction = mean(bonds["shear"]) / mean(k * overlap)
         r = mean(reduced)
         coefficients.append(
@@ -111,6 +112,12 @@ for end, arm in ((i, "arm_i"), (j, "arm_j")):
 for end in (p, q):
     numpy.add.at(along, end, 4 * taken)
 heavy = 4 * setup["dt"] ** 2 * numpy.maximum(along, about / (0.1 * diameter**2))
+# Nor may dampers, which follow the mean of two classes, stop a light sphere within a step.
+slowed, stopped = numpy.zeros(n), numpy.zeros(n)
+for end, arm in ((i, "arm_i"), (j, "arm_j")):
+    numpy.add.at(slowed, end, 2 * damper)
+    numpy.add.at(stopped, end, damper * (bonds[arm] ** 2 + 2 * reduced**2))
+heavy = numpy.maximum(heavy, 2 * setup["dt"] * numpy.maximum(slowed, stopped / (0.1 * diameter**2)))
 heavy = numpy.maximum(heavy, 1e-3 * heavy.mean())
 spring = bonds["k_n"] - contact
 rest = bonds["length"] - contact * overlap / spring  # the forces of spring and contact cancel
@@ -162,9 +169,8 @@ touch = spheres["radius"][p] + spheres["radius"][q]
 
 
 def stop(what):
-    sys.exit(f"compression_lammps: unstable {what}. Bonds of very different stiffness (of an implant, or of spheres of almost "
-             "no density, which --sample-length avoids) or with wide gaps, and loose spheres, are beyond this model; take "
-             "YADE (--only yade)")
+    sys.exit(f"compression_lammps: unstable {what}. Bonds of very different stiffness or with wide gaps, and loose spheres, "
+             "may be beyond this model; take YADE (--only yade)")
 
 
 samples = min(20, setup["steps"] // setup["records"])

@@ -222,7 +222,16 @@ TEST_CASE("a cell or a box that is not the pack's is warned of") {
     CHECK_THAT(warned("c.csv --domain periodic:20,19,20"),
                Contains("spheres overlap across the faces of the periodic cell along y"));
     CHECK_THAT(warned("c.csv --domain periodic:20.5,20,20"),
-               Contains("no bond leads across the faces of the periodic cell along x"));
+               Contains("bonds across the faces of the periodic cell along x are 0"));
+    CHECK_THAT(warned("c.csv --domain periodic:20,19.9,20"),
+               Contains("spheres overlap across the faces of the periodic cell along y"));
+    CHECK_THAT(warned("c.csv --domain periodic:20,20,20 --pack-unit m"),
+               Contains("less than 2 diameters of the largest sphere") && !Contains("memory"));
+    // Walls, where a periodic pack would go on.
+    REQUIRE(vdbPack("pack box:20,20,20 --radius uniform:0.8,1.6 --quiet -o " + folder.file("b.csv"))
+                .code == 0);
+    CHECK_THAT(warned("b.csv --domain periodic:20,20,20"),
+               Contains("bonds across the faces of the periodic cell along z"));
     CHECK_THAT(warned("c.csv --domain periodic:25,25,25"), Contains("the spheres reach through"));
     CHECK_THAT(warned("c.csv --domain box:20,20,20"), Contains("the spheres reach through"));
 }

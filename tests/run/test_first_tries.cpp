@@ -58,8 +58,9 @@ TEST_CASE("a folder of masks is packed as parts whose names are in every file") 
 
 TEST_CASE("a pack that falls apart is warned of, and two separate bodies are not") {
     const TemporaryFolder folder;
-    const auto warningsWithNeck = [&](double neck) {
+    const auto warningsWithNeck = [&](double neck, double hollow = 0) {
         const auto isInside = [&](const Vec<3>& p) {
+            if (length(p - Vec<3>{{0, 0, 6}}) < hollow) return false;
             const Vec<3> fromAxis{{p[0], p[1], 0}};
             return length(p - Vec<3>{{0, 0, -6}}) < 4 || length(p - Vec<3>{{0, 0, 6}}) < 4 ||
                    (std::abs(p[2]) < 6 && length(fromAxis) < neck);
@@ -69,6 +70,7 @@ TEST_CASE("a pack that falls apart is warned of, and two separate bodies are not
         return warningsOf(recipeFor(file, "uniform:0.8,1"));
     };
     CHECK_FALSE(mentions(warningsWithNeck(0), "largest connected component"));
+    CHECK_FALSE(mentions(warningsWithNeck(0, 3), "largest connected component"));
     CHECK(mentions(warningsWithNeck(0.7), "largest connected component"));
 }
 

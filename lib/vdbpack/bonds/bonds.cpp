@@ -23,7 +23,8 @@ void requireLaw(const BondLaw& law, std::size_t spheres) {
             "give 0 or more");
     const double strain = law.breakingStrain.value_or(0.1);
     require(strain > 0 && strain < 1, "`bond-strength`", strain,
-            "give a share below 1, such as 0.0078 for 0.78 %");
+            "give the strain at which bonds break, a share below 1, such as 0.0078 for 0.78 %: a "
+            "strength divided by Young's modulus");
     require(positive(law.shearStrength), "`bond-shear-strength`", law.shearStrength,
             "give a share of the tensile strength above 0");
     if (!law.moduli.empty() && law.moduli.size() != spheres)

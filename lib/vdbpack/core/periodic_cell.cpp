@@ -28,23 +28,25 @@ SpheresWithImages<Dim> withImages(const std::vector<Sphere<Dim>>& spheres,
 }
 
 template <int Dim>
-void requireLongCell(const PeriodicCell<Dim>& cell, double largest) {
-    const double least = kCellDiameters * 2 * largest;
+void requireLongCell(const PeriodicCell<Dim>& cell, double largest, double diameters) {
+    const double least = diameters * 2 * largest;
     if (cell.shortest() >= least) return;
     int axis = 0;
     for (int d = Dim; d-- > 0;)
         if (cell.isAlong(d) && cell.length(d) <= cell.shortest()) axis = d;
     throw InputError(fmt::format(
         "the periodic cell is {:.6g} mm long along {}, less than {:g} diameters of the largest {}, "
-        "{:.6g} mm with any gap. Give a longer cell or smaller radii",
-        cell.shortest(), "xyz"[axis], kCellDiameters, Measure<Dim>::kSphere, least));
+        "{:.6g} mm with any gap. {}",
+        cell.shortest(), "xyz"[axis], diameters, Measure<Dim>::kSphere, least,
+        diameters < kCellDiameters ? "Check the cell, and the unit of the pack"
+                                   : "Give a longer cell or smaller radii"));
 }
 
 template SpheresWithImages<2> withImages(const std::vector<Sphere<2>>&, const PeriodicCell<2>&,
                                          double);
 template SpheresWithImages<3> withImages(const std::vector<Sphere<3>>&, const PeriodicCell<3>&,
                                          double);
-template void requireLongCell(const PeriodicCell<2>&, double);
-template void requireLongCell(const PeriodicCell<3>&, double);
+template void requireLongCell(const PeriodicCell<2>&, double, double);
+template void requireLongCell(const PeriodicCell<3>&, double, double);
 
 }  // namespace vdbpack

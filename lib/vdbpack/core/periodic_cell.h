@@ -107,9 +107,13 @@ SpheresWithImages<Dim> withImages(const std::vector<Sphere<Dim>>& spheres,
 /// would come near their own images.
 inline constexpr double kCellDiameters = 4;
 
+/// The same for a pack that is given: in shorter ones, two spheres may touch more than once.
+inline constexpr double kGivenCellDiameters = 2;
+
 /// @param largest  radius, with half of the gap, mm.
 /// @throws InputError if a cell is shorter than that.
 template <int Dim>
-void requireLongCell(const PeriodicCell<Dim>& cell, double largest);
+void requireLongCell(const PeriodicCell<Dim>& cell, double largest,
+                     double diameters = kCellDiameters);
 
 }  // namespace vdbpack

@@ -190,6 +190,7 @@ SpheresWithImages<Dim> withPartners(const std::vector<Sphere<Dim>>& spheres, dou
     requireUsable(spheres);
     double largest = 0;
     for (const Sphere<Dim>& s : spheres) largest = std::max(largest, s.radius);
+    requireLongCell(cell, largest, kGivenCellDiameters);
     return withImages(spheres, cell, (1 + tolerance) * largest * (1 + 1e-9));
 }
 

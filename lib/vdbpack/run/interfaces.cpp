@@ -156,7 +156,8 @@ void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callback
 }
 
 void warnOfBondLaw(const BondLaw& law, const Callbacks& callbacks) {
-    constexpr double kThinnest = 0.02, kThickest = 2, kMostShear = 5, kMostStrain = 0.05;
+    constexpr double kThinnest = 0.02, kThickest = 2, kMostShear = 5, kMostStrain = 0.05,
+                     kMostPercent = 20;
     if (law.radiusFactor < kThinnest || law.radiusFactor > kThickest)
         callbacks.warn(fmt::format(
             "`bond-radius` {:g} is a factor on the smaller sphere's radius, usually 0.2 "
@@ -168,8 +169,12 @@ void warnOfBondLaw(const BondLaw& law, const Callbacks& callbacks) {
     if (law.breakingStrain.value_or(0) > kMostStrain)
         callbacks.warn(fmt::format(
             "`bond-strength` {:g} is the strain at which bonds break as a share, of bone "
-            "about 0.01: for {:g} % write {:g}",
-            *law.breakingStrain, *law.breakingStrain, *law.breakingStrain / 100));
+            "about 0.01: {}",
+            *law.breakingStrain,
+            *law.breakingStrain < kMostPercent
+                ? fmt::format("for {:g} % write {:g}", *law.breakingStrain,
+                              *law.breakingStrain / 100)
+                : "a strength in MPa has to be divided by Young's modulus in MPa"));
     if (law.shearStrength > kMostShear)
         callbacks.warn(
             fmt::format("`bond-shear-strength` {:g} is the strength in shear divided by that in "
@@ -266,7 +271,7 @@ void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
         callbacks.warn(fmt::format(
             "{} and {}: {:.0f} bonds join them, where about {:.0f} would as each is joined within, "
             "so "
-            "that the interface is a weak plane; `interfaceTolerance` {:g} gives it as many",
+            "that the interface is a weak plane; `interfaceTolerance` {:g} or more mends that",
             nameOf(p), nameOf(q), joined[two], wanted, std::ceil(*nth * 100) / 100));
     }
     for (const auto& [part, touching] : touches)

@@ -7,7 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <string>
+#include <vector>
 
 namespace vdbpack {
 
@@ -32,16 +35,29 @@ std::string percent(double share) {
     return fmt::format("{:.3g} %", 100 * share);
 }
 
-/// Share of the domain in its largest component, as of two separate bones.
+/// About the share of the domain in its largest component, as of two separate bones: cavities are
+/// those of the smallest body whose bounds hold them.
 double largestBody(const DomainSource& source) {
     if (!source.mesh() || !source.isWhole()) return 1;
-    double largest = 0, all = 0;
-    for (const Shell& shell : analyzeShells(*source.mesh()).shells) {
-        if (shell.depth > 0) continue;
-        largest = std::max(largest, std::fabs(shell.signedVolume));
-        all += std::fabs(shell.signedVolume);
+    const TriangleMesh& mesh = *source.mesh();
+    const ShellAnalysis analysis = analyzeShells(mesh);
+    const std::vector<Shell>& shells = analysis.shells;  // by falling volume
+    std::vector<Box<3>> bounds(shells.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (const std::uint32_t v : mesh.triangles[t])
+            bounds[analysis.shellOfTriangle[t]].add(mesh.vertices[v]);
+    std::vector<double> volume(shells.size());
+    for (std::size_t k = 0; k < shells.size(); ++k) {
+        std::size_t body = k;
+        if (shells[k].depth % 2 == 1)
+            for (std::size_t outer = k; outer-- > 0 && body == k;)
+                if (shells[outer].depth % 2 == 0 && bounds[outer].contains(bounds[k].lo) &&
+                    bounds[outer].contains(bounds[k].hi))
+                    body = outer;
+        volume[body] += (shells[k].depth % 2 == 1 ? -1 : 1) * std::fabs(shells[k].signedVolume);
     }
-    return all > 0 ? largest / all : 1;
+    const double all = std::accumulate(volume.begin(), volume.end(), 0.0);
+    return all > 0 ? *std::max_element(volume.begin(), volume.end()) / all : 1;
 }
 
 }  // namespace

@@ -309,6 +309,11 @@ void warnOfOtherBonds(const StiffnessRecipe& recipe, PackOrigin made, const Bond
 
 StiffnessResult runStiffness(const StiffnessRecipe& recipe, const Callbacks& callbacks) {
     checkSettings(recipe, RunKind::measure, {}, inputFiles(recipe));
+    if (recipe.grip && !recipe.press)
+        throw ParameterError(fmt::format(
+            "`grip` {:g}: is the depth of a grip of `press`; name its axis by `press`, or leave it "
+            "out",
+            *recipe.grip));
     if (recipe.press && recipe.boundary)
         throw ParameterError("`press` holds spheres in grips; leave `boundary` out");
     if (recipe.fits && recipe.press.has_value() != std::isnan(recipe.wantedPoisson))

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace vdbpack {
@@ -17,6 +18,9 @@ constexpr double kHeld = 0.97;
 /// covers half of its wall, one with a fifth of its solid a tenth.
 constexpr std::uint64_t kFewHeld = 20;
 constexpr double kLeastCovered = 0.04;
+/// How much more than others the spheres of bonds across the faces of a cell overlap, on average
+/// and in smaller radii, and by which share such bonds are fewer, where it is another pack's.
+constexpr double kPressed = 0.02, kWeakFace = 0.4;
 
 }  // namespace
 
@@ -99,18 +103,29 @@ void warnOfCellFit(const Pack<3>& pack, const std::vector<Bond>& bonds,
     for (int d = 0; d < 3; ++d) {
         if (!pack.cell.isAlong(d)) continue;
         const double side = pack.cell.box.size()[d];
-        bool joined = false, overlaps = false;
+        double cut = 0;                  // bonds that a plane across the axis cuts, on average
+        std::array<double, 2> number{};  // of bonds within the cell, and across its faces
+        std::array<double, 2> overlap{};
         for (const Bond& b : bonds) {
             const Sphere<3>&i = pack.spheres[b.i], &j = pack.spheres[b.j];
-            if (std::abs((j.center - i.center - b.direction * b.length)[d]) < side / 2) continue;
-            joined = true;
-            overlaps |= b.length < i.radius + j.radius - 0.2 * std::min(i.radius, j.radius);
+            const Vec<3> branch = b.direction * b.length;
+            const bool across = std::abs((j.center - i.center - branch)[d]) > side / 2;
+            cut += std::abs(branch[d]) / side;
+            ++number[across];
+            overlap[across] += (i.radius + j.radius - b.length) / std::min(i.radius, j.radius);
         }
-        if (overlaps || !joined)
+        if (number[1] > 0 &&
+            overlap[1] / number[1] > overlap[0] / std::max(1.0, number[0]) + kPressed)
             callbacks.warn(fmt::format(
-                "{} across the faces of the periodic cell along {}, whose {:.6g} mm are not the "
-                "pack's; check `domain`",
-                overlaps ? "spheres overlap" : "no bond leads", "xyz"[d], side));
+                "spheres overlap across the faces of the periodic cell along {}, whose {:.6g} mm "
+                "are not the pack's; check `domain`",
+                "xyz"[d], side));
+        else if (number[1] < kWeakFace * cut)
+            callbacks.warn(fmt::format(
+                "bonds across the faces of the periodic cell along {} are {:.0f}, where a plane "
+                "within it cuts about {:.0f}: its {:.6g} mm are not the pack's, or the pack has "
+                "walls there; check `domain`",
+                "xyz"[d], number[1], cut, side));
     }
 }
 

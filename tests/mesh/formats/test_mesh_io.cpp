@@ -293,8 +293,10 @@ TEST_CASE("a unit in the header of a binary .stl counts") {
     MeshReadOptions options;
     options.unit = GENERATE(Unit::millimeter, Unit::meter);
     options.scale = 2;
-    const Vec<3> size = readMesh(folder.file("s.stl"), options).bounds().size();
+    std::string warning;
+    const Vec<3> size = readMesh(folder.file("s.stl"), options, keptIn(warning)).bounds().size();
     for (int d = 0; d < 3; ++d) CHECK(size[d] == Approx(2 * (40 + 8 * d)));
+    CHECK(warning.empty() == (options.unit == Unit::millimeter || options.unit == unit));
 }
 
 TEST_CASE("centimeters that a .obj of Maya states are a warning unless a unit is set") {

@@ -117,7 +117,14 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
                            "lengths are 10 times as large");
         read(reader);
         splitPolygons(reader);
-        if (reader.statedUnit) factor = millimetersPer(*reader.statedUnit) * options.scale;
+        if (reader.statedUnit) {
+            factor = millimetersPer(*reader.statedUnit) * options.scale;
+            if (options.unit != Unit::millimeter && options.unit != *reader.statedUnit)
+                callbacks.warn(fmt::format(
+                    "{}: states that its lengths are in {}, so that `unit` {} has no effect; set "
+                    "`scale` if the file is wrong",
+                    path, unitName(*reader.statedUnit), unitName(options.unit)));
+        }
         mesh = std::move(reader.mesh);
         if (groups != nullptr) *groups = std::move(reader.groups);
         if (mesh.triangles.empty()) file.fail("has no triangles; a closed surface is needed");
