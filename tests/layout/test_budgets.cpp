@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94074},
+    {"lib", 94100},
     {"lib/python", 2063},
-    {"lib/vdbpack/core", 2512},
+    {"lib/vdbpack/core", 2535},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 3927},
     {"lib/vdbpack/verify", 2342},
@@ -34,7 +34,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/pack", 7899},
     {"lib/vdbpack/densify", 5672},
     {"lib/vdbpack/bonds", 696},
-    {"lib/vdbpack/measure", 5580},
+    {"lib/vdbpack/measure", 5582},
     {"lib/vdbpack/voids", 8077},
     {"lib/vdbpack/formats", 10280},
     {"lib/vdbpack/report", 4040},
@@ -42,9 +42,9 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7381},
+    {"lib/vdbpack/run", 7382},
     {"tools", 3943},
-    {"tests", 35360},
+    {"tests", 35359},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

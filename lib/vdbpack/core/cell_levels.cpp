@@ -101,7 +101,7 @@ std::pair<std::int64_t, std::int64_t> CellLevels<Dim>::Axis::cells(double a, dou
 /// @return the number of cells.
 template <int Dim>
 double CellLevels<Dim>::layAxes(Level& level, const std::vector<Sphere<Dim>>& spheres,
-                                const std::vector<std::uint32_t>& members, double most) const {
+                                const Members& members, double most) const {
     const std::size_t n = members.size();
     using Extent = std::pair<Box<Dim>, double>;
     const auto [bounds, largest] = tbb::parallel_reduce(
@@ -160,55 +160,60 @@ double CellLevels<Dim>::layAxes(Level& level, const std::vector<Sphere<Dim>>& sp
 }
 
 template <int Dim>
+std::uint64_t CellLevels<Dim>::cellOf(const Level& level, const Vec<Dim>& center) {
+    std::uint64_t cell = 0;
+    for (int i = Dim - 1; i >= 0; --i)
+        cell = cell * static_cast<std::uint64_t>(level.axis(i).count) +
+               static_cast<std::uint64_t>(level.axis(i).cell(center[i]));
+    return cell;
+}
+
+template <int Dim>
 void CellLevels<Dim>::fillLevel(Level& level, const std::vector<Sphere<Dim>>& spheres,
-                                const std::vector<std::uint32_t>& members) {
-    const std::size_t n = members.size();
-    const double most = 4.0 * static_cast<double>(n) + 64;
+                                const Members& members) {
+    const double most = std::min(4.0 * static_cast<double>(members.size()) + 64, 4e9);
     const double cells = layAxes(level, spheres, members, most);
-    std::vector<std::uint64_t> key(n);
-    forAll(n, [&](std::size_t k) {
-        const Vec<Dim>& c = spheres[members[k]].center;
-        std::uint64_t cell = 0;
-        for (int i = Dim - 1; i >= 0; --i)
-            cell = cell * static_cast<std::uint64_t>(level.axis(i).count) +
-                   static_cast<std::uint64_t>(level.axis(i).cell(c[i]));
-        key[k] = cell;
-    });
-    level.spheres.resize(n);
-    level.index.resize(n);
     if (cells <= most)
-        sortByCell(level, spheres, members, key, static_cast<std::size_t>(cells));
+        sortByCell(level, spheres, members, static_cast<std::size_t>(cells));
     else
-        sortByKey(level, spheres, members, key);
+        sortByKey(level, spheres, members);
 }
 
 /// Counting sort into as many slots as there are cells.
 template <int Dim>
 void CellLevels<Dim>::sortByCell(Level& level, const std::vector<Sphere<Dim>>& spheres,
-                                 const std::vector<std::uint32_t>& members,
-                                 const std::vector<std::uint64_t>& key, std::size_t cells) {
+                                 const Members& members, std::size_t cells) {
     const std::size_t n = members.size();
-    // The order inside a cell depends on the threads; no result does. A sphere's rank in its cell
-    // is kept, since an atomic count beside each random write would let these wait for each other.
-    std::vector<std::atomic<std::uint32_t>> counts(cells);
-    std::vector<std::uint32_t> rank(n);
+    // The order inside a cell depends on the threads; no result does. Positions are found before
+    // the spheres are written: atomic counts beside random writes would wait for each other.
+    std::vector<std::uint32_t> at(n);
+    {
+        std::vector<std::atomic<std::uint32_t>> next(cells);
+        forAll(n, [&](std::size_t k) {
+            at[k] = static_cast<std::uint32_t>(cellOf(level, spheres[members[k]].center));
+            next[at[k]].fetch_add(1, std::memory_order_relaxed);
+        });
+        firstPositions(next, level.start, "spheres", "take fewer spheres");
+        forAll(n,
+               [&](std::size_t k) { at[k] = next[at[k]].fetch_add(1, std::memory_order_relaxed); });
+    }
+    level.spheres.resize(n);
+    level.index.resize(n);
     forAll(n, [&](std::size_t k) {
-        rank[k] = counts[key[k]].fetch_add(1, std::memory_order_relaxed);
-    });
-    firstPositions(counts, level.start, "spheres", "take fewer spheres");
-    forAll(n, [&](std::size_t k) {
-        const std::uint32_t at = level.start[key[k]] + rank[k];
-        level.spheres[at] = spheres[members[k]];
-        level.index[at] = members[k];
+        level.spheres[at[k]] = spheres[members[k]];
+        level.index[at[k]] = members[k];
     });
 }
 
 /// Sorts into slots of the occupied cells alone.
 template <int Dim>
 void CellLevels<Dim>::sortByKey(Level& level, const std::vector<Sphere<Dim>>& spheres,
-                                const std::vector<std::uint32_t>& members,
-                                const std::vector<std::uint64_t>& key) {
+                                const Members& members) {
     const std::size_t n = members.size();
+    std::vector<std::uint64_t> key(n);
+    forAll(n, [&](std::size_t k) { key[k] = cellOf(level, spheres[members[k]].center); });
+    level.spheres.resize(n);
+    level.index.resize(n);
     std::vector<std::uint32_t> order(n);
     std::iota(order.begin(), order.end(), 0u);
     tbb::parallel_sort(order.begin(), order.end(),
@@ -253,7 +258,11 @@ CellLevels<Dim>::CellLevels(const std::vector<Sphere<Dim>>& spheres, double slac
     }
     levels_.resize(classes.size());
     std::size_t k = 0;
-    for (auto& entry : classes) fillLevel(levels_[k++], spheres, entry.second);
+    for (auto& [number, listed] : classes) {
+        // All in one class, as usual: they need no list.
+        if (listed.size() == spheres.size()) std::vector<std::uint32_t>().swap(listed);
+        fillLevel(levels_[k++], spheres, Members(std::move(listed), spheres.size()));
+    }
 }
 
 template class CellLevels<2>;

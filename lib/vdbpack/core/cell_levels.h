@@ -91,15 +91,29 @@ private:
         }
     };
 
-    using Members = std::vector<std::uint32_t>;  ///< of a level, in the caller's array
-    using Keys = std::vector<std::uint64_t>;     ///< cell of each member
+    /// Spheres of a level, by their number in the caller's array.
+    class Members {
+    public:
+        /// @param listed  empty: all. @param all  their number
+        Members(std::vector<std::uint32_t> listed, std::size_t all)
+            : listed_(std::move(listed)), size_(listed_.empty() ? all : listed_.size()) {}
+        std::size_t size() const { return size_; }
+        std::uint32_t operator[](std::size_t k) const {
+            return listed_.empty() ? static_cast<std::uint32_t>(k) : listed_[k];
+        }
+
+    private:
+        std::vector<std::uint32_t> listed_;
+        std::size_t size_;
+    };
+    static std::uint64_t cellOf(const Level& level, const Vec<Dim>& center);
     void fillLevel(Level& level, const std::vector<Sphere<Dim>>& spheres, const Members& members);
     double layAxes(Level& level, const std::vector<Sphere<Dim>>& spheres, const Members& members,
                    double most) const;
     static void sortByCell(Level& level, const std::vector<Sphere<Dim>>& spheres,
-                           const Members& members, const Keys& key, std::size_t cells);
+                           const Members& members, std::size_t cells);
     static void sortByKey(Level& level, const std::vector<Sphere<Dim>>& spheres,
-                          const Members& members, const Keys& key);
+                          const Members& members);
     /// Calls `visit(range)` for the rows of cells that meet `box`, until it returns false.
     template <typename Visit>
     static bool forEachRow(const Level& level, const Box<Dim>& box, const Visit& visit);

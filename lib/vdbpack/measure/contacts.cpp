@@ -141,6 +141,8 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
         throw ParameterError(fmt::format("contacts: {} depths for {} {}; give one each or none",
                                          depth.size(), own, Measure<Dim>::kSpheres));
     PartContacts result;
+    // The largest part of the memory is taken before the rest, and given back before the results.
+    std::optional<CellLevels<Dim>> cells(std::in_place, spheres, tolerance);
     std::vector<std::atomic<std::int32_t>> counts(spheres.size());
     PerThread<ContactSums> found;
     const auto isDeep = [&](std::uint32_t i) {
@@ -148,8 +150,7 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
                (depth.empty() || static_cast<double>(depth[i]) > kDeepRadii * spheres[i].radius);
     };
     Components components(spheres.size());
-    const CellLevels<Dim> cells(spheres, tolerance);
-    cells.forEachPair(
+    cells->forEachPair(
         [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
             double d2) {
             counts[i].fetch_add(1, std::memory_order_relaxed);
@@ -173,6 +174,7 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
             if (d2 > 0) addProducts(to, kFixed / d2, 1, mine.fabric);
         },
         [] { return false; });
+    cells.reset();
     for (const ContactSums& sums : found) result.sums.add(sums);
     result.partners.resize(own);
     result.component.resize(spheres.size());

@@ -28,7 +28,7 @@ struct Extent {
     int dim = 3;
     double count = 0;         ///< spheres before voids are cut, with the spheres of an input pack
     double kept = 1;          ///< share of them that voids leave
-    bool searching = false;   ///< for a target count: two packs are held at a time
+    bool searching = false;   ///< for a target count: packs are made until it is met
     bool densifying = false;  ///< spheres are moved, and further ones added
     bool solid = false;       ///< the spheres fill what the voids leave, inside its contour
     double volume = 0;        ///< of the domain, mm^dim

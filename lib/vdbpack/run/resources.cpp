@@ -21,16 +21,17 @@ namespace vdbpack {
 
 namespace {
 
-// Bytes of memory, from peaks of whole runs (GNU time, GCC 12): ball:5 67 MB, box:150 with
-// 3,840,375 spheres 530 MiB, hip.ply with 1,000,676 found by a target count 430 MiB, mandible.ply
-// in voxels of 0.07 mm (338 million) 3180 MiB, box:180 densified to 237,621 spheres 142 MiB.
-constexpr double kProgram = 67e6, kTriangle = 730, kDrawnSphere = 75, kImageVoxel = 23;
+// Bytes of memory, from peaks of whole runs (GCC 12): ball:5 67 MB, box:150 with 4,000,060 spheres
+// by a target count 433 MiB, box:630 with 10.2 million 1021 MiB, the hip with 998,214 312 MiB,
+// skull_seg3d with 300,000 512 MiB, mandible in voxels of 0.07 mm (338 million) 3180 MiB, box:180
+// densified to 237,621 spheres 142 MiB.
+constexpr double kProgram = 67e6, kTriangle = 600, kDrawnSphere = 75, kImageVoxel = 23;
 /// A voxel while the field is built, or copied to be cut or written; half of that stays. In a
 /// narrow band of our own that is not.
 constexpr double kFieldVoxel = 8.6, kBandVoxel = 5.2;
-/// A sphere that is placed or read, and measured; one that is moved; what triangles beside it, a
-/// second pack and a list of pairs add.
-constexpr double kSphere = 135, kMoved = 460, kBesideMesh = 75, kSecondPack = 100, kPairs = 140;
+/// A sphere that is placed or read, and measured; one that is moved; what triangles beside it and a
+/// list of pairs add.
+constexpr double kSphere = 102, kMoved = 460, kBesideMesh = 95, kPairs = 140;
 /// What cutting takes at the least; a leaf of the level sets `surface`, `voids` and `solid` and the
 /// tile it is made from. For each voxel along the wall of a shape, its contour or its level set; of
 /// a contour, its picture.
@@ -129,7 +130,7 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
                                    [](const OutputTarget& output) { return output.listsPairs(); });
     const double spheres =
         count * ((e.densifying ? kMoved : kSphere) + (e.field.triangles > 0 ? kBesideMesh : 0) +
-                 (e.searching ? kSecondPack : 0) + (pairs ? kPairs : 0));
+                 (pairs ? kPairs : 0));
     double voids = stampBytes(e) + (e.voids.foam ? kMoved * e.voids.count : 0);
     if (e.voids.count > 0) voids += kCutting;
     // Contours are complete in memory before they are written.

@@ -60,19 +60,22 @@ SphereCells<Dim>::SphereCells(const std::vector<Sphere<Dim>>& spheres,
     perCell_ = 1 / (2 * largestRadius_);
     chooseSlots(spheres, members);
     const std::size_t n = members.size();
-    // The order inside a slot depends on the threads; no result does. A sphere's rank in its slot
-    // is kept, since an atomic count beside each random write would let these wait for each other.
-    std::vector<std::atomic<std::uint32_t>> counts(mask_ + 1);
-    std::vector<std::uint32_t> slot(n), rank(n);
+    // The order inside a slot depends on the threads; no result does. All places are found first,
+    // since an atomic count beside each random write would let these wait for each other.
+    std::vector<std::atomic<std::uint32_t>> next(mask_ + 1);
+    std::vector<std::uint32_t> at(n);  // the slot of each member, then its place
     forAll(n, [&](std::size_t k) {
-        slot[k] = static_cast<std::uint32_t>(slotOf(cellsOf(spheres[members[k]].center)));
-        rank[k] = counts[slot[k]].fetch_add(1, std::memory_order_relaxed);
+        at[k] = static_cast<std::uint32_t>(slotOf(cellsOf(spheres[members[k]].center)));
+        next[at[k]].fetch_add(1, std::memory_order_relaxed);
     });
-    start_ = startsOf(counts);
+    start_ = startsOf(next);
+    forAll(n, [&](std::size_t k) { at[k] = next[at[k]].fetch_add(1, std::memory_order_relaxed); });
+    std::vector<std::atomic<std::uint32_t>>().swap(next);
     spheres_.resize(n);
+    index_.resize(n);
     forAll(n, [&](std::size_t k) {
-        const std::uint32_t at = start_[slot[k]] + rank[k];
-        spheres_[at] = {spheres[members[k]], members[k]};
+        spheres_[at[k]] = spheres[members[k]];
+        index_[at[k]] = members[k];
     });
 }
 
@@ -90,6 +93,7 @@ SphereClasses<Dim>::SphereClasses(const std::vector<Sphere<Dim>>& spheres) {
             most = bulk * std::pow(kClassRatio, k);
             least = most / kClassRatio;
             last = &classes[k];
+            if (last->empty()) last->reserve(spheres.size() - i);
         }
         last->push_back(static_cast<std::uint32_t>(i));
     }

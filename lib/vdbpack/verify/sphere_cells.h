@@ -64,17 +64,12 @@ public:
     }
 
     std::size_t size() const { return spheres_.size(); }
-    const Sphere<Dim>& sphere(std::size_t j) const { return spheres_[j].sphere; }
-    std::uint32_t index(std::size_t j) const { return spheres_[j].index; }  ///< in caller's array
+    const Sphere<Dim>& sphere(std::size_t j) const { return spheres_[j]; }
+    std::uint32_t index(std::size_t j) const { return index_[j]; }  ///< in caller's array
     double largestRadius() const { return largestRadius_; }
     double perCell() const { return perCell_; }  ///< cells a mm
 
 private:
-    struct Member {  // in one place, since they are written in random order
-        Sphere<Dim> sphere;
-        std::uint32_t index;
-    };
-
     std::uint64_t slotOf(const CellNumbers& cell) const {
         std::uint64_t row = static_cast<std::uint64_t>(cell[1]) * strideY_ +
                             static_cast<std::uint64_t>(cell[2]) * strideZ_;
@@ -85,9 +80,9 @@ private:
     void visitSlots(std::uint64_t first, std::uint64_t last, const Visit& visit,
                     std::size_t from = 0) const {
         const std::uint32_t end = start_[last + 1];
-        const Member* const spheres = spheres_.data();
+        const Sphere<Dim>* const spheres = spheres_.data();
         for (auto j = std::max(start_[first], static_cast<std::uint32_t>(from)); j < end; ++j)
-            visit(spheres[j].sphere, j);
+            visit(spheres[j], j);
     }
     void chooseSlots(const std::vector<Sphere<Dim>>& spheres,
                      const std::vector<std::uint32_t>& members);
@@ -98,7 +93,8 @@ private:
     std::uint64_t strideY_ = 0, strideZ_ = 0;
     std::uint64_t mask_ = 0;            ///< slots, a power of two, less one
     std::vector<std::uint32_t> start_;  ///< first sphere of each slot, and the end
-    std::vector<Member> spheres_;       ///< in order of slots
+    std::vector<Sphere<Dim>> spheres_;  ///< in order of slots
+    std::vector<std::uint32_t> index_;  ///< of each in the caller's array
 };
 
 /// Spheres of any mix of sizes: cells for each class of radii, within a factor of three.
