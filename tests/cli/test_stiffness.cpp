@@ -236,6 +236,22 @@ TEST_CASE("a cell or a box that is not the pack's is warned of") {
     CHECK_THAT(warned("c.csv --domain box:20,20,20"), Contains("the spheres reach through"));
 }
 
+TEST_CASE("what a .csv alone does not hold of a pack is warned of where it is written") {
+    const TemporaryFolder folder;
+    const auto written = [&](const std::string& outputs) {
+        std::string words =
+            "pack box:8,8,8 --radius uniform:1,1.5 --contact-tol 0.05 "
+            "--bond-shear 0.07 --quiet";
+        for (const std::string& output : wordsOf(outputs)) words += " -o " + folder.file(output);
+        return vdbPack(words).text;
+    };
+    CHECK_THAT(written("a.csv"), Contains("a.csv: does not hold --contact-tol 0.05, --bond-shear "
+                                          "0.07"));
+    CHECK_THAT(written("a.csv a.vtp"), !Contains("does not hold"));
+    CHECK_THAT(vdbPack("convert " + folder.file("a.vtp") + " -o " + folder.file("b.csv")).text,
+               Contains("b.csv: does not hold --contact-tol 0.05, --bond-shear 0.07"));
+}
+
 TEST_CASE("bonds are written in the unit of lengths, forces in N") {
     const TemporaryFolder folder;
     const std::string pack = packedIn(folder);

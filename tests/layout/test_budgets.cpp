@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94100},
+    {"lib", 94124},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2535},
     {"lib/vdbpack/io", 2961},
-    {"lib/vdbpack/mesh", 3927},
+    {"lib/vdbpack/mesh", 3931},
     {"lib/vdbpack/verify", 2342},
     {"lib/vdbpack/image", 5703},
     {"lib/vdbpack/field", 5965},
@@ -42,9 +42,9 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7382},
+    {"lib/vdbpack/run", 7402},
     {"tools", 3943},
-    {"tests", 35359},
+    {"tests", 35375},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

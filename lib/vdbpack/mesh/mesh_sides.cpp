@@ -13,14 +13,11 @@ namespace vdbpack {
 
 namespace {
 
-/// Cells a triangle, on average, above which triangles go to a tree; a plain bone has about 6, a
-/// skull of many folds more than 24.
-constexpr double kMostCells = 100;
-/// Meshes with fewer places in cells never do.
-constexpr double kSmall = 65536;
 /// Cells a triangle, on average, above which cells are made larger: over a foam lie so many layers
-/// that cells by the number of triangles are far smaller than one.
-constexpr double kManyCells = 12;
+/// that cells by the number of triangles are far smaller than one. A plain bone has about 6.
+constexpr double kManyCells = 12, kSmall = 65536;
+/// Triangles in the cell of a common entry from which a tree is faster: many are long then.
+constexpr double kCrowded = 512;
 
 }  // namespace
 
@@ -30,20 +27,26 @@ MeshSides::Columns::Columns(SharedMesh mesh) : shared(std::move(mesh)), bounds(s
     const auto n = static_cast<double>(shared->triangles.size());
     double edge = std::sqrt(std::max(size[0], 1e-300) * std::max(size[1], 1e-300) / (2 * n + 1));
     setCells(edge);
-    double all = places();
-    if (all > kMostCells * n + kSmall) {
-        tree = TriangleTree(shared->triangles.size(), [&](std::size_t k) {
-            const auto& t = shared->triangles[k];
-            return TriangleTree::Corners{shared->vertices[t[0]], shared->vertices[t[1]],
-                                         shared->vertices[t[2]]};
-        });
-        return;
-    }
-    while (all > kManyCells * n + kSmall && count[0] * count[1] > 1) {
-        setCells(edge *= 1.4);
-        all = places();
-    }
+    while (places() > kManyCells * n + kSmall && count[0] * count[1] > 1) setCells(edge *= 1.4);
     fillCells();
+    if (crowding() <= kCrowded) return;
+    std::vector<std::uint32_t>().swap(start);
+    std::vector<std::uint32_t>().swap(triangles);
+    tree = TriangleTree(shared->triangles.size(), [&](std::size_t k) {
+        const auto& t = shared->triangles[k];
+        return TriangleTree::Corners{shared->vertices[t[0]], shared->vertices[t[1]],
+                                     shared->vertices[t[2]]};
+    });
+}
+
+/// The triangles in the cell of an entry, on average.
+double MeshSides::Columns::crowding() const {
+    double squares = 0;
+    for (std::size_t c = 0; c + 1 < start.size(); ++c) {
+        const double n = start[c + 1] - start[c];
+        squares += n * n;
+    }
+    return triangles.empty() ? 0 : squares / static_cast<double>(triangles.size());
 }
 
 void MeshSides::Columns::setCells(double edge) {

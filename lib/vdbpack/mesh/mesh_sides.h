@@ -43,6 +43,7 @@ private:
         explicit Columns(SharedMesh mesh);
         void setCells(double edge);
         double places() const;
+        double crowding() const;
         void fillCells();
         /// Calls `visit(cell)` for the cells that the shadow's bounds of a triangle meet.
         template <class Visit>

@@ -231,6 +231,28 @@ void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,
             options.law.modulus, kModulusColumn));
 }
 
+void warnOfLostOrigin(const std::vector<OutputTarget>& outputs, const PackOrigin& origin,
+                      const Callbacks& callbacks) {
+    const auto find = [&](bool isTable) {
+        return std::find_if(outputs.begin(), outputs.end(), [&](const OutputTarget& output) {
+            return output.kind == OutputKind::pack && (output.extension() == ".csv") == isTable;
+        });
+    };
+    const auto table = find(true);
+    if (table == outputs.end() || find(false) != outputs.end()) return;
+    std::vector<std::string> lost;
+    if (origin.contactTolerance > StiffnessRecipe().contactTolerance)
+        lost.push_back(fmt::format("`contactTolerance` {:g}", origin.contactTolerance));
+    if (origin.interfaceTolerance > origin.contactTolerance)
+        lost.push_back(fmt::format("`interfaceTolerance` {:g}", origin.interfaceTolerance));
+    if (origin.shearRatio > 0) lost.push_back(fmt::format("`bond-shear` {:g}", origin.shearRatio));
+    if (!lost.empty())
+        callbacks.warn(fmt::format(
+            "{}: does not hold {}, with which the pack was made; set the same in runs on this "
+            "file, or write .vtp or .vdb",
+            table->file, fmt::join(lost, ", ")));
+}
+
 template <class Pair>
 void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
                       const Callbacks& callbacks) {

@@ -79,15 +79,7 @@ void noteMissing(const ConvertRecipe& recipe, const PackAttributes& pack, const 
             callbacks.warn(fmt::format(
                 "{}: holds neither the names of the parts ({}) nor axes; .vtp and .vdb keep them",
                 output.file, fmt::join(partNames(pack), ", ")));
-    const double tolerance = origin.contactTolerance;
-    for (const OutputTarget& output : recipe.outputs)
-        if (output.kind == OutputKind::pack && output.extension() == ".csv" &&
-            tolerance > StiffnessRecipe().contactTolerance)
-            callbacks.warn(
-                fmt::format("{}: does not hold that contacts were counted with `contactTolerance` "
-                            "{:g}; set it in "
-                            "runs on this file, or write .vtp or .vdb",
-                            output.file, tolerance));
+    warnOfLostOrigin(recipe.outputs, origin, callbacks);
     const bool isStated = columnOfNumbers(pack, kDensityColumn) || columnOfNumbers(pack, "density");
     const auto hasMasses = [](const OutputTarget& output) {
         return output.kind == OutputKind::materials ||
