@@ -139,7 +139,7 @@ void warnOfModuli(const PackAttributes& pack, const BondLaw& law, const Callback
         warn("bonds have", law.modulus);
     for (const MaterialReport& m : materials) {
         if (!m.modulus) continue;
-        const auto [least, middle, most] = *m.modulus;
+        const double least = m.modulus->front(), middle = (*m.modulus)[1], most = m.modulus->back();
         // A metal in GPa; an implant softer than the bone whose moduli follow grey values.
         const bool dense = least == most && m.density && (*m.density)[1] > kDenserThanBone;
         const bool soft =
