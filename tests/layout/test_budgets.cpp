@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94124},
+    {"lib", 94125},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2535},
     {"lib/vdbpack/io", 2961},
@@ -42,7 +42,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7402},
+    {"lib/vdbpack/run", 7403},
     {"tools", 3943},
     {"tests", 35375},
 };

@@ -293,7 +293,8 @@ void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
         callbacks.warn(fmt::format(
             "{} and {}: {:.0f} bonds join them, where about {:.0f} would as each is joined within, "
             "so "
-            "that the interface is a weak plane; `interfaceTolerance` {:g} or more mends that",
+            "that the interface is a weak plane; `interfaceTolerance` {:g} is the least that mends "
+            "that, and the run that packs the parts names the one by the area of their wall",
             nameOf(p), nameOf(q), joined[two], wanted, std::ceil(*nth * 100) / 100));
     }
     for (const auto& [part, touching] : touches)

@@ -108,12 +108,12 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, Body& body, Stiff
 /// Solves once. @return the Poisson's ratio of the isotropic average
 double solve(const Pack<3>& pack, const BondOptions& options, Body body, StiffnessResult& result,
              const Callbacks& callbacks) {
-    const auto bonds = body.within(bondsIn(pack, options));
+    const auto all = bondsIn(pack, options), bonds = body.within(all);
     body.pack = &pack;
     body.bonds = &bonds;
     if (result.bonds == 0) {
         warnOfLoose(pack, bonds, body.boundary, callbacks);
-        warnOfLooseParts(pack, bonds, callbacks);
+        warnOfLooseParts(pack, all, callbacks);
         warnOfCellFit(pack, bonds, callbacks);
     }
     result.bonds = bonds.size();
