@@ -21,16 +21,16 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94125},
+    {"lib", 94112},
     {"lib/python", 2063},
-    {"lib/vdbpack/core", 2535},
+    {"lib/vdbpack/core", 2545},
     {"lib/vdbpack/io", 2961},
-    {"lib/vdbpack/mesh", 3931},
+    {"lib/vdbpack/mesh", 3920},
     {"lib/vdbpack/verify", 2342},
     {"lib/vdbpack/image", 5703},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2835},
-    {"lib/vdbpack/domain", 6993},
+    {"lib/vdbpack/domain", 6981},
     {"lib/vdbpack/pack", 7899},
     {"lib/vdbpack/densify", 5672},
     {"lib/vdbpack/bonds", 696},

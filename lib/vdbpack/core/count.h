@@ -39,4 +39,14 @@ inline std::uint32_t firstPositions(std::vector<std::atomic<std::uint32_t>>& nex
     return start.back() = indexable(sum, things, remedy);
 }
 
+/// Entries in the cell of an entry, on average. @param start  as of `firstPositions`
+inline double crowding(const std::vector<std::uint32_t>& start) {
+    double squares = 0;
+    for (std::size_t c = 0; c + 1 < start.size(); ++c) {
+        const double n = start[c + 1] - start[c];
+        squares += n * n;
+    }
+    return start.empty() || start.back() == 0 ? 0 : squares / start.back();
+}
+
 }  // namespace vdbpack

@@ -1,5 +1,6 @@
 #include "vdbpack/domain/facet_bins.h"
 
+#include "vdbpack/core/count.h"
 #include "vdbpack/core/parallel.h"
 
 #include <algorithm>
@@ -112,25 +113,13 @@ FacetBins<Dim>::FacetBins(std::vector<Facet<Dim>> facets) : facets_(std::move(fa
     cells_.setEdge(commonExtent(facets_), facets_.size());
     while (!fill(24 * facets_.size() + 65536)) cells_.setEdge(1.5 * cells_.edge, facets_.size());
     if constexpr (Dim == 3)
-        if (crowding() > kCrowded) {
+        if (crowding(start_) > kCrowded) {
             std::vector<std::uint32_t>().swap(start_);
             std::vector<Item>().swap(items_);
             tree_ = TriangleTree(facets_.size(), [&](std::size_t i) { return facets_[i]; });
             return;
         }
     rings_ = emptyRings(cells_, start_, kMostRings);
-}
-
-/// The facets in the cell of an entry, on average.
-template <int Dim>
-double FacetBins<Dim>::crowding() const {
-    if (items_.empty()) return 0;
-    double squares = 0;
-    for (std::size_t c = 0; c + 1 < start_.size(); ++c) {
-        const double n = start_[c + 1] - start_[c];
-        squares += n * n;
-    }
-    return squares / static_cast<double>(items_.size());
 }
 
 /// Sorts the facets into the cells that they meet. @return false if that takes more than

@@ -61,7 +61,6 @@ private:
     class Search;
 
     bool fill(std::size_t mostItems);
-    double crowding() const;
     template <Want kWant, class Found>
     bool searchTree(const Vec<Dim>& x, double reach, Found* found) const;
     std::vector<Item> balls() const;

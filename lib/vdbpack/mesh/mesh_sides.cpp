@@ -29,7 +29,7 @@ MeshSides::Columns::Columns(SharedMesh mesh) : shared(std::move(mesh)), bounds(s
     setCells(edge);
     while (places() > kManyCells * n + kSmall && count[0] * count[1] > 1) setCells(edge *= 1.4);
     fillCells();
-    if (crowding() <= kCrowded) return;
+    if (crowding(start) <= kCrowded) return;
     std::vector<std::uint32_t>().swap(start);
     std::vector<std::uint32_t>().swap(triangles);
     tree = TriangleTree(shared->triangles.size(), [&](std::size_t k) {
@@ -37,16 +37,6 @@ MeshSides::Columns::Columns(SharedMesh mesh) : shared(std::move(mesh)), bounds(s
         return TriangleTree::Corners{shared->vertices[t[0]], shared->vertices[t[1]],
                                      shared->vertices[t[2]]};
     });
-}
-
-/// The triangles in the cell of an entry, on average.
-double MeshSides::Columns::crowding() const {
-    double squares = 0;
-    for (std::size_t c = 0; c + 1 < start.size(); ++c) {
-        const double n = start[c + 1] - start[c];
-        squares += n * n;
-    }
-    return triangles.empty() ? 0 : squares / static_cast<double>(triangles.size());
 }
 
 void MeshSides::Columns::setCells(double edge) {

@@ -18,7 +18,7 @@ namespace vdbpack {
 /// vote, and a tie is outside. Immutable; shared between threads.
 ///
 /// Cost: a few times the mesh's memory; a query passes the triangles over one small cell, or, where
-/// many triangles are so long that they lie over too many cells, a few in a tree.
+/// long triangles crowd the cells, a few in a tree.
 class MeshSides {
 public:
     /// @param clean  every edge joins two triangles. `mesh` is welded (welding.h), and copied where
@@ -43,7 +43,6 @@ private:
         explicit Columns(SharedMesh mesh);
         void setCells(double edge);
         double places() const;
-        double crowding() const;
         void fillCells();
         /// Calls `visit(cell)` for the cells that the shadow's bounds of a triangle meet.
         template <class Visit>

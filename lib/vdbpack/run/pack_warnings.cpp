@@ -35,8 +35,8 @@ std::string percent(double share) {
     return fmt::format("{:.3g} %", 100 * share);
 }
 
-/// About the share of the domain in its largest component, as of two separate bones: cavities are
-/// those of the smallest body whose bounds hold them.
+/// About the share of the domain in its largest component, as of two separate bones: a cavity is
+/// taken from the smallest body whose bounds hold it.
 double largestBody(const DomainSource& source) {
     if (!source.mesh() || !source.isWhole()) return 1;
     const TriangleMesh& mesh = *source.mesh();
