@@ -65,8 +65,11 @@ def load_bonds(path, first=0, ids=None):
     first: body of the sphere whose id is 0. ids: instead, the body of each id (a dictionary).
     Returns the pairs of bodies, in the order of the rows. Bonds carry no force at first, whatever the gap.
     """
-    maker = next(p for e in O.engines if isinstance(e, InteractionLoop) for p in e.physDispatcher.functors
-                 if isinstance(p, Ip2_CohFrictMat_CohFrictMat_CohFrictPhys))
+    makers = [p for e in O.engines if isinstance(e, InteractionLoop) for p in e.physDispatcher.functors
+              if isinstance(p, Ip2_CohFrictMat_CohFrictMat_CohFrictPhys)]
+    if not makers:
+        raise RuntimeError("set O.engines = bond_engines() before load_bonds(), which takes their kind of bond")
+    maker = makers[0]
     maker.setCohesionNow = True
     made = []
     with open(path, newline="") as file:

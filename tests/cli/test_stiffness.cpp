@@ -232,6 +232,8 @@ TEST_CASE("a cell or a box that is not the pack's is warned of") {
                 .code == 0);
     CHECK_THAT(warned("b.csv --domain periodic:20,20,20"),
                Contains("bonds across the faces of the periodic cell along z"));
+    CHECK_THAT(warned("b.csv --domain box:20,20,20"), !Contains("reach through"));
+    CHECK_THAT(warned("b.csv --domain box:20,20,24"), Contains("reach through 83 %"));
     CHECK_THAT(warned("c.csv --domain periodic:25,25,25"), Contains("the spheres reach through"));
     CHECK_THAT(warned("c.csv --domain box:20,20,20"), Contains("the spheres reach through"));
 }

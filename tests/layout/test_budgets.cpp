@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94112},
+    {"lib", 94239},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2545},
     {"lib/vdbpack/io", 2961},
@@ -30,21 +30,21 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/image", 5703},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2835},
-    {"lib/vdbpack/domain", 6981},
+    {"lib/vdbpack/domain", 6982},
     {"lib/vdbpack/pack", 7899},
     {"lib/vdbpack/densify", 5672},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5582},
     {"lib/vdbpack/voids", 8077},
-    {"lib/vdbpack/formats", 10280},
+    {"lib/vdbpack/formats", 10304},
     {"lib/vdbpack/report", 4040},
     {"lib/vdbpack/preview", 3427},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7403},
+    {"lib/vdbpack/run", 7505},
     {"tools", 3943},
-    {"tests", 35375},
+    {"tests", 35400},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -33,6 +33,14 @@ PackRecipe boxAndPeg(const TemporaryFolder& folder) {
     return recipe;
 }
 
+/// The tolerance that a warning names.
+double advised(const std::string& warning) {
+    const std::string name = "`interfaceTolerance` ";
+    const auto at = warning.find(name);
+    REQUIRE(at != std::string::npos);
+    return std::stod(warning.substr(at + name.size()));
+}
+
 }  // namespace
 
 TEST_CASE("an interface has its area and its bonds beside those of the parts") {
@@ -49,10 +57,7 @@ TEST_CASE("an interface has its area and its bonds beside those of the parts") {
         if (text.find("weak plane") != std::string::npos) warned = text;
     CHECK_THAT(warned, Contains("bone and peg"));
     // The tolerance that it names is the remedy.
-    const std::string name = "`interfaceTolerance` ";
-    const auto at = warned.find(name);
-    REQUIRE(at != std::string::npos);
-    recipe.bonds.interfaceTolerance = std::stod(warned.substr(at + name.size()));
+    recipe.bonds.interfaceTolerance = advised(warned);
     const RunResult mended = runPack(recipe);
     const InterfaceReport& strong = mended.report.interfaces.front();
     const double bulk = std::min(strong.bulk[0], strong.bulk[1]);
@@ -71,6 +76,7 @@ TEST_CASE("an interface has its area and its bonds beside those of the parts") {
     const auto loose = runConvert(convert).warnings;
     REQUIRE(loose.size() == 1);
     CHECK_THAT(loose.front(), Contains("bone and peg") && Contains("`interfaceTolerance`"));
+    CHECK(advised(loose.front()) == Approx(advised(warned)).epsilon(0.15));
     convert.bonds = recipe.bonds;
     CHECK(runConvert(convert).warnings.empty());
     CHECK(contentOf(folder.file("again.csv")) == contentOf(folder.file("bonds.csv")));
@@ -78,6 +84,17 @@ TEST_CASE("an interface has its area and its bonds beside those of the parts") {
     recipe = std::move(recipe.parts.front());
     recipe.outputs = {"interfaces:" + folder.file("none.csv")};
     CHECK_THROWS_WITH(runPack(recipe), Contains("partsFile"));
+}
+
+TEST_CASE("an interface has its area where triangles are larger than it") {
+    const TemporaryFolder folder;
+    PackRecipe recipe;
+    recipe.parts = {boxPart(folder.file("a.stl"), {{{0, 0, 0}}, {{9, 9, 6}}}, "low"),
+                    boxPart(folder.file("b.stl"), {{{6, 5, 6}}, {{15, 14, 12}}}, "high")};
+    recipe.outputs = {"interfaces:" + folder.file("interfaces.csv")};
+    const auto found = runPack(recipe).report.interfaces;
+    REQUIRE(found.size() == 1);
+    CHECK(found.front().area == Approx(3 * 4).epsilon(0.1));
 }
 
 TEST_CASE("a part within one that is listed later has to come after it") {

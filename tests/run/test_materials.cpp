@@ -141,6 +141,12 @@ TEST_CASE("spheres smaller than a voxel are named, and averaged over a length") 
     recipe.grey.sampleLength = 6;
     for (const double value : columnIn(runPack(recipe), "hu"))
         CHECK(value == Approx(1200).margin(80));
+    // Lengths in meters and in micrometers.
+    for (const auto& [length, words] :
+         {std::pair{0.006, "has no effect"}, std::pair{6000.0, "much of the pack"}}) {
+        recipe.grey.sampleLength = length;
+        CHECK(mentions(runPack(recipe).report.warnings, words));
+    }
 }
 
 TEST_CASE("BV/TV of the solid stands beside the share that the spheres fill") {

@@ -57,7 +57,8 @@ bool isImage(const DomainRecipe& recipe) {
 }
 
 std::string describe(const DomainRecipe& recipe) {
-    return recipe.source + (recipe.label.empty() ? "" : ", label " + recipe.label);
+    return recipe.source + (recipe.label.empty() ? "" : ", label " + recipe.label) +
+           (recipe.mask.empty() ? "" : ", mask " + recipe.mask);
 }
 
 }  // namespace vdbpack

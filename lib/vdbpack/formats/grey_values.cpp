@@ -123,6 +123,27 @@ void warnOfSmall(const std::vector<Sphere<3>>& balls, const Image& image, const 
             file, small, balls.size(), across, 3 * across));
 }
 
+/// Warns of a length in another unit: less than all spheres, or much of the pack.
+void warnOfLength(double length, const std::vector<Sphere<3>>& spheres,
+                  const Callbacks& callbacks) {
+    if (!(length > 0)) return;
+    double smallest = std::numeric_limits<double>::infinity();
+    Box<3> box;
+    for (const Sphere<3>& s : spheres) smallest = std::min(smallest, s.radius), box.add(s.center);
+    const Vec<3> size = box.size();
+    const double across = std::max({size[0], size[1], size[2]});
+    if (length <= 2 * smallest)
+        callbacks.warn(
+            fmt::format("`sampleLength` {:g} mm has no effect: every sphere is larger "
+                        "(smallest diameter {:.3g} mm)",
+                        length, 2 * smallest));
+    else if (length > across / 2)
+        callbacks.warn(
+            fmt::format("`sampleLength` {:g} mm takes means over much of the pack, which "
+                        "is {:.3g} mm long; check its unit",
+                        length, across));
+}
+
 /// Warns of an image with a few whole values, as a label map has and a scan has not.
 void warnOfLabels(const Image& image, const std::string& file, const Callbacks& callbacks) {
     constexpr std::size_t kFewest = 3, kMost = 64, kRead = 1 << 20;
@@ -151,9 +172,11 @@ void addSamples(const GreyRecipe& recipe, const DomainRecipe& domain, Pack<Dim>&
     for (const Sphere<Dim>& s : pack.spheres) {
         Sphere<3> ball;
         for (int d = 0; d < 3; ++d) ball.center[d] = d < Dim ? s.center[d] : pack.sliceHeight;
-        ball.radius = std::max(s.radius, recipe.sampleLength / 2);
+        ball.radius = s.radius;
         balls.push_back(ball);
     }
+    warnOfLength(recipe.sampleLength, balls, callbacks);
+    for (auto& ball : balls) ball.radius = std::max(ball.radius, recipe.sampleLength / 2);
     for (const std::string& text : samples) {
         const Sample sample = parsed(text);
         const Image image = readGreyImage(sample.file, domain, callbacks);
@@ -168,8 +191,9 @@ void addSamples(const GreyRecipe& recipe, const DomainRecipe& domain, Pack<Dim>&
                              "the domain or pack");
         if (outside > 0)
             callbacks.warn(
-                fmt::format("{}: {} of {} {} lie outside of this image, and have the value nan. "
-                            "Check `space` and that it is of the same scan",
+                fmt::format("{}: {} of {} {} lie outside of this image, and have the value nan, "
+                            "which spheres of an implant may have; else check `space` and that "
+                            "the image is of the same scan",
                             sample.file, outside, means.size(), Measure<Dim>::kSpheres));
         setColumn(pack, sample.name.c_str(), std::move(means));
     }

@@ -25,8 +25,8 @@ struct Prefix {
     const char* labels = "";
 };
 constexpr Prefix kPrefixes[] = {
-    {"contacts:", OutputKind::contacts, nullptr, ""},
-    {"bonds:", OutputKind::bonds, nullptr, ""},
+    {"contacts:", OutputKind::contacts, ".csv", ""},
+    {"bonds:", OutputKind::bonds, ".csv", ""},
     {"bond-coeffs:", OutputKind::bondCoefficients, ".lmp", ""},
     {"interfaces:", OutputKind::interfaces, ".csv", ""},
     {"list:", OutputKind::voidList, nullptr, ""},

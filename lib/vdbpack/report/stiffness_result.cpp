@@ -108,7 +108,7 @@ std::string summary(const StiffnessResult& r) {
                          r.ownModuli ? "of each sphere" : fmt::format("{:.6g} MPa", r.law.modulus),
                          r.law.radiusFactor, r.law.shearRatio, r.law.isHinged ? ", hinged" : ""));
     if (r.modulusFactor != 1 && r.ownModuli)
-        line("", fmt::format("moduli of the spheres times {:.6g}{}, at this k_t / k_n in all runs",
+        line("", fmt::format("moduli of all spheres times {:.6g}{}, at this k_t / k_n in all runs",
                              r.modulusFactor,
                              r.keptParts.empty() ? ""
                                                  : fmt::format(", but not those of {}",

@@ -1,9 +1,11 @@
 #include "vdbpack/run/interfaces.h"
 
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/core/rng.h"
 #include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/mesh/mesh_sides.h"
+#include "vdbpack/run/part_space.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +13,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -44,53 +48,61 @@ double commonArea(const TriangleMesh& wall, const MeshSides& other) {
         const double at = (static_cast<double>(n) + 0.5) / kWallPoints * total;
         const auto t = static_cast<std::size_t>(std::upper_bound(ends.begin(), ends.end() - 1, at) -
                                                 ends.begin());
-        const Vec<3> a = corner(t, 0), across = cross(corner(t, 1) - a, corner(t, 2) - a);
+        const Vec<3> a = corner(t, 0), ab = corner(t, 1) - a, ac = corner(t, 2) - a;
+        const Vec<3> across = cross(ab, ac);
         const double twice = length(across);
         if (!(twice > 0)) return;
-        const Vec<3> middle = (a + corner(t, 1) + corner(t, 2)) * (1.0 / 3);
-        common[n] = other.inside(middle + across * (kOutside / std::sqrt(twice)));
+        RandomStream random(0, n);
+        const double u = std::sqrt(random.uniform()), v = u * random.uniform();
+        const Vec<3> x = a + ab * (u - v) + ac * v;
+        common[n] = other.inside(x + across * (kOutside / std::sqrt(twice)));
     });
     const auto found = std::count(common.begin(), common.end(), std::uint8_t{1});
     return total * static_cast<double>(found) / kWallPoints;
 }
 
-using PartPair = std::pair<std::size_t, std::size_t>;
+/// Pairs of spheres, and their lengths together.
+struct Joined {
+    std::uint64_t pairs = 0;
+    double length = 0;
 
-/// Bonds by the two parts of their spheres, the lower one first.
-std::map<PartPair, std::vector<const Bond*>> bondsByParts(const std::vector<Bond>& bonds,
-                                                          const std::vector<double>& part) {
-    std::map<PartPair, std::vector<const Bond*>> all;
-    for (const Bond& b : bonds) {
-        const auto p = static_cast<std::size_t>(part[b.i]), q = static_cast<std::size_t>(part[b.j]);
-        all[{std::min(p, q), std::max(p, q)}].push_back(&b);
+    /// Those that a plane through a part cuts, per mm², on average over all directions: half of
+    /// their length per volume.
+    double perArea(double volume) const { return volume > 0 ? 0.5 * length / volume : 0; }
+};
+
+/// Pairs by the parts of their spheres.
+template <class Pair>
+std::map<PartPair, Joined> joinedParts(const Pack<3>& pack, const Materials& materials,
+                                       const std::vector<Pair>& pairs) {
+    std::map<PartPair, Joined> all;
+    for (const Pair& b : pairs) {
+        Joined& one = all[std::minmax({materials.partOf(b.i), materials.partOf(b.j)})];
+        ++one.pairs;
+        one.length +=
+            length(pack.cell.nearest(pack.spheres[b.j].center - pack.spheres[b.i].center));
     }
     return all;
 }
 
-/// Bonds that a plane through a part cuts, per mm², on average over all directions: half of their
-/// length per volume.
-double bulkBonds(const std::vector<const Bond*>& bonds, double volume) {
-    double sum = 0;
-    for (const Bond* b : bonds) sum += b->length;
-    return volume > 0 ? 0.5 * sum / volume : 0;
-}
-
 /// The tolerance with which an interface has so many bonds; nothing if there are fewer pairs.
-std::optional<double> toleranceFor(double wanted, const PartPair& pair, const Run<3>& all) {
-    const auto& part = columnOfNumbers(all.pack, kPartColumn)->numbers;
+std::optional<double> toleranceFor(double wanted, const PartPair& two, const Pack<3>& pack,
+                                   const Materials& materials) {
+    // Spheres deep in their part have no pairs across.
+    double reach = 0;
+    for (const Sphere<3>& s : pack.spheres) reach = std::max(reach, 2 * s.radius);
     Pack<3> near;
-    std::vector<std::size_t> of;
-    const double reach = 2 * all.report.radius.max;
-    for (std::size_t i = 0; i < part.size(); ++i) {
-        const auto p = static_cast<std::size_t>(part[i]);
-        if ((p != pair.first && p != pair.second) ||
-            (!all.pack.depth.empty() && static_cast<double>(all.pack.depth[i]) > reach))
+    std::vector<std::int32_t> of;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        const std::int32_t part = materials.partOf(i);
+        if ((part != two.first && part != two.second) ||
+            (!pack.depth.empty() && static_cast<double>(pack.depth[i]) > reach))
             continue;
-        near.spheres.push_back(all.pack.spheres[i]);
-        of.push_back(p);
+        near.spheres.push_back(pack.spheres[i]);
+        of.push_back(part);
     }
     std::vector<double> gaps;
-    for (const Contact& c : listContacts(near.spheres, kFar))
+    for (const Contact& c : listContacts(near.spheres, kFar, pack.cell))
         if (of[c.i] != of[c.j])
             gaps.push_back(c.gap / std::min(near.spheres[c.i].radius, near.spheres[c.j].radius));
     const auto count = static_cast<std::size_t>(std::ceil(wanted));
@@ -100,13 +112,13 @@ std::optional<double> toleranceFor(double wanted, const PartPair& pair, const Ru
     return std::ceil(*nth * 100) / 100;
 }
 
-void warnOfWeak(const InterfaceReport& r, const PartPair& pair, const Run<3>& all) {
+void warnOfWeak(const InterfaceReport& r, const PartPair& two, const Pack<3>& pack,
+                const Materials& materials, const Callbacks& callbacks) {
     const double bulk = std::min(r.bulk[0], r.bulk[1]);
     if (!(r.perArea() < kWeak * bulk) || bulk * r.area < kFew) return;
-    const auto enough = toleranceFor(bulk * r.area, pair, all);
-    all.callbacks.warn(fmt::format(
-        "{} and {}: {} on {:.4g} mm² of their common wall, {:.2g} per mm², where "
-        "a plane through "
+    const auto enough = toleranceFor(bulk * r.area, two, pack, materials);
+    callbacks.warn(fmt::format(
+        "{} and {}: {} on {:.4g} mm² of their common wall, {:.2g} per mm², where a plane through "
         "{} cuts {:.2g}, so that the interface is a weak plane{}",
         r.parts[0], r.parts[1], r.pairs == 1 ? "1 bond" : fmt::format("{} bonds", r.pairs), r.area,
         r.perArea(), r.parts[r.bulk[0] <= r.bulk[1] ? 0 : 1], bulk,
@@ -256,49 +268,29 @@ void warnOfLostOrigin(const std::vector<OutputTarget>& outputs, const PackOrigin
 template <class Pair>
 void warnOfLooseParts(const Pack<3>& pack, const std::vector<Pair>& pairs,
                       const Callbacks& callbacks) {
-    constexpr double kNear = 0.5;  // gap, in smaller radii, of spheres that are side by side
     const Materials materials(pack);
     if (!materials.hasParts()) return;
-    const auto partsOf = [&](const auto& pair) {
-        return std::minmax({materials.partOf(pair.i), materials.partOf(pair.j)});
-    };
-    using Two = std::pair<std::int32_t, std::int32_t>;
-    std::map<Two, std::vector<double>> near;  // gaps, in smaller radii
-    std::map<Two, double> joined;
-    std::map<std::int32_t, bool> touches;
-    for (std::size_t i = 0; i < pack.spheres.size(); ++i) touches[materials.partOf(i)];
-    for (const Contact& c : listContacts(pack.spheres, kNear))
-        near[partsOf(c)].push_back(c.gap /
-                                   std::min(pack.spheres[c.i].radius, pack.spheres[c.j].radius));
-    for (const Pair& b : pairs) ++joined[partsOf(b)];
+    const PartSpace space = spaceOfParts(pack, materials);
+    if (space.volume.size() < 2) return;
+    auto joined = joinedParts(pack, materials, pairs);
     const std::vector<std::string>& names = partNames(pack);
     const auto nameOf = [&](std::int32_t part) {
         const auto at = static_cast<std::size_t>(part);
         return at < names.size() ? names[at] : fmt::format("part {}", part);
     };
-    for (auto& [two, gaps] : near) {
-        const auto [p, q] = two;
-        if (p == q) continue;
-        touches[p] = touches[q] = true;
-        const auto within = [&](std::int32_t part) {
-            const auto own = near.find({part, part});
-            return own == near.end() ? 0
-                                     : joined[own->first] / static_cast<double>(own->second.size());
-        };
-        const double wanted = std::min(within(p), within(q)) * static_cast<double>(gaps.size());
-        if (wanted < kFew || joined[two] >= kWeak * wanted) continue;
-        const auto nth = gaps.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                            gaps.size() - 1, static_cast<std::size_t>(wanted)));
-        std::nth_element(gaps.begin(), nth, gaps.end());
-        callbacks.warn(fmt::format(
-            "{} and {}: {:.0f} bonds join them, where about {:.0f} would as each is joined within, "
-            "so "
-            "that the interface is a weak plane; `interfaceTolerance` {:g} is the least that mends "
-            "that, and the run that packs the parts names the one by the area of their wall",
-            nameOf(p), nameOf(q), joined[two], wanted, std::ceil(*nth * 100) / 100));
+    std::set<std::int32_t> touching;
+    for (const auto& [two, sums] : joined)
+        if (two.first != two.second) touching.insert({two.first, two.second});
+    for (const auto& [two, area] : space.area) {
+        touching.insert({two.first, two.second});
+        InterfaceReport one{{nameOf(two.first), nameOf(two.second)}, joined[two].pairs, area, {}};
+        const std::int32_t ends[] = {two.first, two.second};
+        for (std::size_t e = 0; e < 2; ++e)
+            one.bulk[e] = joined[{ends[e], ends[e]}].perArea(space.volume.at(ends[e]));
+        warnOfWeak(one, two, pack, materials, callbacks);
     }
-    for (const auto& [part, touching] : touches)
-        if (!touching && touches.size() > 1)
+    for (const auto& [part, volume] : space.volume)
+        if (touching.count(part) == 0)
             callbacks.warn(
                 fmt::format("{} has no bond that connects it to another part, nor does it lie "
                             "beside one; check "
@@ -311,8 +303,9 @@ template void warnOfLooseParts(const Pack<3>&, const std::vector<Contact>&, cons
 
 void measureInterfaces(const Parts& parts, Run<3>& all) {
     if (all.report.interrupted || all.pack.spheres.empty()) return;
-    const auto bonds = bondsIn(all.pack, bondOptionsOf(all.settings));
-    auto byParts = bondsByParts(bonds, columnOfNumbers(all.pack, kPartColumn)->numbers);
+    const Materials materials(all.pack);
+    auto joined =
+        joinedParts(all.pack, materials, bondedPairs(all.pack, bondOptionsOf(all.settings)));
     const auto& outputs = all.settings.outputs;
     const bool bonded = columnOfNumbers(all.pack, kModulusColumn) ||
                         all.settings.bonds.interfaceTolerance > 0 ||
@@ -331,16 +324,17 @@ void measureInterfaces(const Parts& parts, Run<3>& all) {
             InterfaceReport one;
             one.area = commonArea(*wall, *sides);
             if (!(one.area > 0)) continue;
-            const PartPair pair{k, l};
+            const auto partAt = [](std::size_t n) { return static_cast<std::int32_t>(n); };
+            const PartPair two{partAt(k), partAt(l)};
             one.parts = {parts[k].recipe.name, parts[l].recipe.name};
-            one.pairs = byParts[pair].size();
+            one.pairs = joined[two].pairs;
             for (const std::size_t end : {std::size_t(0), std::size_t(1)}) {
                 const std::size_t p = end == 0 ? k : l;
                 for (const PartReport& part : all.report.parts)
                     if (part.name == parts[p].recipe.name)
-                        one.bulk[end] = bulkBonds(byParts[{p, p}], part.volume);
+                        one.bulk[end] = joined[{partAt(p), partAt(p)}].perArea(part.volume);
             }
-            if (bonded) warnOfWeak(one, pair, all);
+            if (bonded) warnOfWeak(one, two, all.pack, materials, all.callbacks);
             all.report.interfaces.push_back(std::move(one));
         }
     }
@@ -349,9 +343,11 @@ void measureInterfaces(const Parts& parts, Run<3>& all) {
             return i.parts[0] == part.recipe.name || i.parts[1] == part.recipe.name;
         };
         const auto& found = all.report.interfaces;
-        if (part.recipe.domain.pose.any() && std::none_of(found.begin(), found.end(), touches))
+        // Parts that are moved, or of a material of their own, are implants.
+        if ((part.recipe.domain.pose.any() || (bonded && !part.recipe.grey.modulus.empty())) &&
+            std::none_of(found.begin(), found.end(), touches))
             all.callbacks.warn(part.recipe.name +
-                               ": touches no other part where it was moved to; check `translate`, "
+                               ": touches no other part where it is; check its place, `translate`, "
                                "`rotate`, `matrix` or `transform`");
     }
 }

@@ -2,6 +2,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/bonded_pack.h"
 #include "vdbpack/formats/materials.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/interfaces.h"
 #include "vdbpack/run/stiffness_grips.h"
@@ -72,7 +73,8 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, Body& body, Stiff
                 recipe.pack, result.body));
         const bool elsewhere = warnOfOutside(depths, result.body, callbacks);
         if (named.clips.empty())  // else the bounds are wider than the clipped domain
-            warnOfOtherEnds(pack, built.space->bounds(), result.body, !elsewhere, callbacks);
+            warnOfOtherEnds(pack, built.space->bounds(), result.body,
+                            startsWith(named.source, "box:"), !elsewhere, callbacks);
     } else {
         const Box<3> box = boxAround(pack);
         body.volume = box.volume();

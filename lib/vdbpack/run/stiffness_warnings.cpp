@@ -34,14 +34,15 @@ Box<3> boxAround(const Pack<3>& pack) {
 }
 
 void warnOfOtherEnds(const Pack<3>& pack, const Box<3>& bounds, const std::string& domain,
-                     bool beyond, const Callbacks& callbacks) {
-    constexpr double kReaches = 0.8, kReachesCell = 0.97, kBeyond = 1.02;
+                     bool isBox, bool beyond, const Callbacks& callbacks) {
+    constexpr double kReaches = 0.8, kReachesBox = 0.88, kReachesCell = 0.97, kBeyond = 1.02;
     const Vec<3> size = boxAround(pack).size();
     for (int d = 0; d < 3; ++d) {
         const double share = size[d] / bounds.size()[d];
         const bool wraps = pack.cell.isAlong(d);
-        if (share >= (wraps ? kReachesCell : kReaches) && (wraps || !beyond || share <= kBeyond))
-            continue;
+        // A box has no thin ends, which spheres cannot fill.
+        const double least = wraps ? kReachesCell : isBox ? kReachesBox : kReaches;
+        if (share >= least && (wraps || !beyond || share <= kBeyond)) continue;
         callbacks.warn(
             fmt::format("the spheres reach through {:.0f} % of {} along {}, so that its volume and "
                         "cross-section are not theirs; check `domain`, `label`, `mask` and `clip`",

@@ -18,7 +18,7 @@ Box<3> boxAround(const Pack<3>& pack);
 
 /// Warns of spheres that reach through a part of the domain only, or, with `beyond`, out of it.
 void warnOfOtherEnds(const Pack<3>& pack, const Box<3>& bounds, const std::string& domain,
-                     bool beyond, const Callbacks& callbacks);
+                     bool isBox, bool beyond, const Callbacks& callbacks);
 /// Warns where the boundary holds less of a pack than the wall of its domain would.
 /// @param wall  area, mm². @param named  whether a domain was given.
 void warnOfFewHeld(const Pack<3>& pack, const std::vector<std::uint8_t>& boundary, double wall,
