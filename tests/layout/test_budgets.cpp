@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94239},
+    {"lib", 94409},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2545},
     {"lib/vdbpack/io", 2961},
@@ -38,7 +38,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/voids", 8077},
     {"lib/vdbpack/formats", 10304},
     {"lib/vdbpack/report", 4040},
-    {"lib/vdbpack/preview", 3427},
+    {"lib/vdbpack/preview", 3597},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},

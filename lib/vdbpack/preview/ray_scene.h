@@ -71,14 +71,14 @@ struct Surface {
     Float3 normalAt(const Hit& hit) const;
 };
 
-/// Rays per pixel, which Embree casts together.
-inline constexpr int kSamples = 4;
+/// Rays that Embree casts together.
+inline constexpr int kTogether = 8;
 
-/// Up to `kSamples` rays of a pixel; Embree skips those that are not set.
+/// Up to `kTogether` rays; Embree skips those that are not set.
 class Rays {
 public:
     void set(int k, const Float3& from, const Float3& along, float near, float far) {
-        RTCRay4& r = rays_.ray;
+        RTCRay8& r = rays_.ray;
         r.org_x[k] = from.x, r.org_y[k] = from.y, r.org_z[k] = from.z;
         r.dir_x[k] = along.x, r.dir_y[k] = along.y, r.dir_z[k] = along.z;
         r.tnear[k] = near, r.tfar[k] = far;
@@ -94,8 +94,8 @@ public:
 
 private:
     friend class RayScene;
-    RTCRayHit4 rays_;
-    alignas(16) int valid_[kSamples] = {};
+    RTCRayHit8 rays_;
+    alignas(32) int valid_[kTogether] = {};
 };
 
 /// A scene of Embree. The geometry added to it must outlive it.
@@ -113,9 +113,9 @@ public:
     void commit(StopRequest& request);
 
     /// The first hit of each ray between its ends.
-    std::array<Hit, kSamples> first(Rays rays) const;
+    std::array<Hit, kTogether> first(Rays rays) const;
     /// Of each ray whether it hits anything between its ends.
-    std::array<bool, kSamples> blocked(Rays rays) const;
+    std::array<bool, kTogether> blocked(Rays rays) const;
 
     static constexpr unsigned kSpheres = 0, kSurface = 1;  ///< `Hit::geometry`
 
@@ -128,23 +128,23 @@ private:
 
 // Inline: each pixel casts a dozen rays.
 
-inline std::array<Hit, kSamples> RayScene::first(Rays rays) const {
-    RTCRayHit4& r = rays.rays_;
-    for (int k = 0; k < kSamples; ++k)
+inline std::array<Hit, kTogether> RayScene::first(Rays rays) const {
+    RTCRayHit8& r = rays.rays_;
+    for (int k = 0; k < kTogether; ++k)
         r.hit.geomID[k] = r.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
 #if VDBPACK_EMBREE >= 4
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
     arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
-    rtcIntersect4(rays.valid_, scene_, &r, &arguments);
+    rtcIntersect8(rays.valid_, scene_, &r, &arguments);
 #else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    rtcIntersect4(rays.valid_, scene_, &context, &r);
+    rtcIntersect8(rays.valid_, scene_, &context, &r);
 #endif
-    std::array<Hit, kSamples> hits;
-    for (int k = 0; k < kSamples; ++k) {
+    std::array<Hit, kTogether> hits;
+    for (int k = 0; k < kTogether; ++k) {
         if (!rays.has(k) || r.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
         hits[static_cast<std::size_t>(k)] = {
             r.ray.tfar[k], r.hit.primID[k], r.hit.geomID[k],
@@ -153,17 +153,17 @@ inline std::array<Hit, kSamples> RayScene::first(Rays rays) const {
     return hits;
 }
 
-inline std::array<bool, kSamples> RayScene::blocked(Rays rays) const {
-    RTCRay4& ray = rays.rays_.ray;
+inline std::array<bool, kTogether> RayScene::blocked(Rays rays) const {
+    RTCRay8& ray = rays.rays_.ray;
 #if VDBPACK_EMBREE >= 4
-    rtcOccluded4(rays.valid_, scene_, &ray);
+    rtcOccluded8(rays.valid_, scene_, &ray);
 #else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcOccluded4(rays.valid_, scene_, &context, &ray);
+    rtcOccluded8(rays.valid_, scene_, &context, &ray);
 #endif
-    std::array<bool, kSamples> are{};
-    for (int k = 0; k < kSamples; ++k)
+    std::array<bool, kTogether> are{};
+    for (int k = 0; k < kTogether; ++k)
         are[static_cast<std::size_t>(k)] = rays.has(k) && ray.tfar[k] < 0;
     return are;
 }

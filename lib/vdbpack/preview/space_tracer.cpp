@@ -30,12 +30,13 @@ constexpr double kWallLine = 1.25, kRim = 0.9;
 /// Largest share of a disc's radius for its rim.
 constexpr double kLargestRim = 0.14;
 constexpr float kRimShade = 0.5f;
-/// Positions of samples in a pixel: a rotated grid, no two in a row or column.
-constexpr std::array<std::array<double, 2>, kSamples> kInPixel{
-    {{0.125, 0.625}, {0.375, 0.125}, {0.625, 0.875}, {0.875, 0.375}}};
-/// Order in which the pixels of a square of 4 x 4 use the sequence: neighbors far apart in it.
-constexpr std::array<std::uint32_t, 16> kSquare{0, 8,  2, 10, 12, 4, 14, 6,
-                                                3, 11, 1, 9,  15, 7, 13, 5};
+/// Numbers of bodies: spheres from one, then discs, then these.
+constexpr std::uint64_t kDiscs = std::uint64_t{1} << 32, kCutLine = 2 * kDiscs,
+                        kSolidBody = kCutLine + 1, kSolidCut = kCutLine + 2;
+
+float square(float x) {
+    return x * x;
+}
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
@@ -128,8 +129,10 @@ std::int32_t SpaceTracer::sphereAt(double x, double y) const {
     return hit.geometry == RayScene::kSpheres ? indexOf(hit.primitive) : -1;
 }
 
-inline void SpaceTracer::showCut(const Start& start, const Color& color, Sample& s) const {
+inline void SpaceTracer::showCut(const Start& start, const Color& color, std::uint64_t body,
+                                 Sample& s) const {
     s.hit = s.flat = true;
+    s.body = body;
     s.normal = cutNormal_;
     s.at = local_(start.at);
     s.albedo = color;
@@ -139,24 +142,25 @@ inline bool SpaceTracer::showSection(const Start& start, Sample& s) const {
     if (!options_.cut) return false;
     const Vec<2> flat = CutAxes(options_.cut->axis).flat(start.at);
     if (lines_ && lines_->distance(flat) < kWallLine * mmPerPixel()) {
-        showCut(start, inkColor(), s);
+        showCut(start, inkColor(), kCutLine, s);
         return true;
     }
     if (!discs_) return false;
     const auto found = discs_->at(flat);
     if (found.index < 0) return false;
     const Color color = colors_[static_cast<std::size_t>(found.index)];
-    showCut(start, color * (found.rim < rimOf(found.index) ? kRimShade : 1), s);
+    showCut(start, color * (found.rim < rimOf(found.index) ? kRimShade : 1),
+            kDiscs + static_cast<std::uint32_t>(found.index), s);
     return true;
 }
 
-inline bool SpaceTracer::showBody(const Hit& hit, const Float3& along, Sample& s,
-                                  Float3& origin) const {
+inline bool SpaceTracer::showBody(const Hit& hit, const Float3& along, Sample& s) const {
     s.hit = true;
     s.at = eye_ + along * hit.t;
     if (hit.geometry == RayScene::kSpheres) {
         const auto& ball = spheres_[hit.primitive];
         const Float3 center{ball[0], ball[1], ball[2]};
+        s.body = 1 + std::uint64_t{hit.primitive};
         s.albedo = colors_[static_cast<std::size_t>(indexOf(hit.primitive))];
         s.normal = normalized(s.at - center);
         // Hit from behind: by rounding, the ray started inside at the rim of a cut face.
@@ -165,49 +169,55 @@ inline bool SpaceTracer::showBody(const Hit& hit, const Float3& along, Sample& s
             return false;
         }
         s.at = center + s.normal * ball[3];
-        origin = center + s.normal * (ball[3] * 1.0005f + 2e-6f);
+        s.origin = center + s.normal * (ball[3] * 1.0005f + 2e-6f);
         return true;
     }
+    s.body = kSolidBody;
     Float3 facet = normalized(hit.normal);
     if (dot(facet, along) > 0) {
         s.albedo = boneCutColor();
-        if (options_.cut) return false;  // the ray starts inside the body
+        if (options_.cut) {  // the ray starts inside the body
+            s.body = kSolidCut;
+            return false;
+        }
         facet = -facet;
     }
     s.albedo = boneColor();
     s.normal = solid_->normalAt(hit);
     if (dot(s.normal, facet) < 0) s.normal = -s.normal;
-    origin = s.at + facet * 2e-5f;
+    s.origin = s.at + facet * 2e-5f;
     return true;
 }
 
-void SpaceTracer::trace(int px, int py, Sample* samples) const {
-    std::array<Start, kSamples> starts;
+void SpaceTracer::see(const Spot* spots, int count) const {
+    std::array<Start, kTogether> starts;
     Rays rays;
-    for (int k = 0; k < kSamples; ++k) {
+    for (int k = 0; k < count; ++k) {
         const auto n = static_cast<std::size_t>(k);
-        const Vec<3> direction = directionAt(px + kInPixel[n][0], py + kInPixel[n][1]);
+        const Vec<3> direction = directionAt(spots[k].x, spots[k].y);
         starts[n] = startOf(direction);
-        if (starts[n].sees && !showSection(starts[n], samples[k]))
+        if (starts[n].sees && !showSection(starts[n], *spots[k].sample))
             rays.set(k, eye_, normalized(single(direction)), starts[n].t, kFar);
     }
     const auto hits = bodies_.first(rays);
-    std::array<Float3, kSamples> origins;
-    std::array<bool, kSamples> lit{};
-    for (int k = 0; k < kSamples; ++k) {
+    for (int k = 0; k < count; ++k) {
         const auto n = static_cast<std::size_t>(k);
         if (!rays.has(k)) continue;
         const Float3 along = rays.along(k);
-        if (hits[n].any() && !showBody(hits[n], along, samples[k], origins[n])) {
-            showCut(starts[n], samples[k].albedo, samples[k]);
+        Sample& s = *spots[k].sample;
+        if (hits[n].any() && !showBody(hits[n], along, s)) {
+            showCut(starts[n], s.albedo, s.body, s);
             rays.drop(k);
             continue;
         }
-        lit[n] = hits[n].any();
-        rays.set(k, eye_, along, starts[n].t, hits[n].t);
+        if (const Sample* near = spots[k].near; near && near->hit && s.hit) {
+            s.veil = near->veil, s.through = near->through;
+            rays.drop(k);
+        } else {
+            rays.set(k, eye_, along, starts[n].t, hits[n].t);
+        }
     }
-    if (wall_) addVeil(rays, samples);
-    addLight(px, py, origins, lit, samples);
+    if (wall_) addVeil(rays, spots);
 }
 
 Color SpaceTracer::shade(const Sample& s) const {
@@ -215,7 +225,8 @@ Color SpaceTracer::shade(const Sample& s) const {
     const float key = std::max(0.0f, dot(s.normal, lamp_));
     const float sky = 0.72f + 0.28f * s.normal.z;
     const Float3 half = normalized(toEye + lamp_);
-    const float gloss = std::pow(std::max(0.0f, dot(s.normal, half)), 40.0f) * kShine;
+    const float c2 = square(std::max(0.0f, dot(s.normal, half))), c8 = square(square(c2));
+    const float gloss = square(square(c8)) * c8 * kShine;  // c to the power of 40
     const float light = kKey * key * s.lit + kSky * sky * s.open +
                         kFill * std::max(0.0f, dot(s.normal, toEye)) * s.open;
     Color c = s.albedo * (s.flat ? 0.95f : light);
@@ -266,12 +277,12 @@ inline bool SpaceTracer::addLayer(int layer, const Hit& hit, const Float3& along
     return true;
 }
 
-void SpaceTracer::addVeil(Rays rays, Sample* samples) const {
+void SpaceTracer::addVeil(Rays rays, const Spot* spots) const {
     for (int layer = 0; layer < kLayers; ++layer) {
         const auto hits = walls_.first(rays);
-        for (int k = 0; k < kSamples; ++k) {
+        for (int k = 0; k < kTogether; ++k) {
             const Hit& hit = hits[static_cast<std::size_t>(k)];
-            if (hit.any() && addLayer(layer, hit, rays.along(k), samples[k]))
+            if (hit.any() && addLayer(layer, hit, rays.along(k), *spots[k].sample))
                 rays.startAt(k, hit.t + 2e-5f);
             else
                 rays.drop(k);
@@ -279,39 +290,33 @@ void SpaceTracer::addVeil(Rays rays, Sample* samples) const {
     }
 }
 
-void SpaceTracer::addLight(int px, int py, const std::array<Float3, kSamples>& origins,
-                           const std::array<bool, kSamples>& lit, Sample* samples) const {
+void SpaceTracer::light(const Spot* spots, int count) const {
     constexpr float kTurn = 2 * static_cast<float>(kPi);
-    const std::uint32_t first =
-        kSquare[static_cast<std::size_t>((py & 3) * 4 + (px & 3))] * kSamples;
     Rays toLamp, toSky;
-    for (int k = 0; k < kSamples; ++k) {
-        const auto n = static_cast<std::size_t>(k);
-        if (!lit[n]) continue;
-        Sample& s = samples[k];
-        const auto lampPoint =
-            sobol(first + static_cast<std::uint32_t>(k), 0x3c6ef372u, 0xa54ff53au);
+    for (int k = 0; k < count; ++k) {
+        Sample& s = *spots[k].sample;
+        if (!s.takesLight()) continue;
+        const auto lampPoint = sobol(spots[k].point, 0x3c6ef372u, 0xa54ff53au);
         float r = kLamp * std::sqrt(lampPoint[0]), turn = kTurn * lampPoint[1];
         Float3 to =
             normalized(lamp_ + lampS_ * (r * std::cos(turn)) + lampT_ * (r * std::sin(turn)));
         if (dot(s.normal, to) <= 0)
-            s.lit = 0;
-        else if (const float way = freeWay(origins[n], to); way > 0)
-            toLamp.set(k, origins[n], to, 0, way);
-        const auto skyPoint =
-            sobol(first + static_cast<std::uint32_t>(k), 0x510e527fu, 0x9b05688cu);
+            s.lit -= spots[k].share;
+        else if (const float way = freeWay(s.origin, to); way > 0)
+            toLamp.set(k, s.origin, to, 0, way);
+        const auto skyPoint = sobol(spots[k].point, 0x510e527fu, 0x9b05688cu);
         r = std::sqrt(skyPoint[0]), turn = kTurn * skyPoint[1];
         Float3 a, b;
         basis(s.normal, a, b);
         to = a * (r * std::cos(turn)) + b * (r * std::sin(turn)) +
              s.normal * std::sqrt(std::max(0.0f, 1 - skyPoint[0]));
-        if (const float way = std::min(ambient_, freeWay(origins[n], to)); way > 0)
-            toSky.set(k, origins[n], to, 0, way);
+        if (const float way = std::min(ambient_, freeWay(s.origin, to)); way > 0)
+            toSky.set(k, s.origin, to, 0, way);
     }
     const auto dark = bodies_.blocked(toLamp), closed = bodies_.blocked(toSky);
-    for (std::size_t k = 0; k < lit.size(); ++k) {
-        if (dark[k]) samples[k].lit = 0;
-        if (closed[k]) samples[k].open = 0;
+    for (int k = 0; k < count; ++k) {
+        if (dark[static_cast<std::size_t>(k)]) spots[k].sample->lit -= spots[k].share;
+        if (closed[static_cast<std::size_t>(k)]) spots[k].sample->open -= spots[k].share;
     }
 }
 

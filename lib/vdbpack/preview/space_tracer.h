@@ -16,12 +16,16 @@
 
 namespace vdbpack {
 
-/// The result of one ray of a pixel.
+/// What is seen at a point of the picture.
 struct Sample {
     bool hit = false;
-    bool flat = false;  ///< on a cut face: drawn without light
-    Float3 at, normal;  ///< the normal points to the camera's side
+    bool flat = false;       ///< on a cut face: drawn without light
+    std::uint64_t body = 0;  ///< the same for all points of a sphere, a disc, or the solid; 0: none
+    Float3 at, normal;       ///< the normal points to the camera's side
+    Float3 origin;           ///< of rays to lamp and sky
     Color albedo;
+
+    bool takesLight() const { return hit && !flat; }
     float open = 1;     ///< visible share of the sky
     float lit = 1;      ///< visible share of the lamp
     Color veil;         ///< light of the wall in front
@@ -42,10 +46,21 @@ public:
     /// The sphere seen through a point of the picture; -1: none.
     std::int32_t sphereAt(double x, double y) const;
 
-    /// Casts the rays of a pixel.
-    /// @param samples  kSamples empty ones; written in place: copying them takes a tenth of the
-    /// time.
-    void trace(int px, int py, Sample* samples) const;
+    /// A point of the picture, pixels, and the point of a sequence for the light there.
+    struct Spot {
+        double x = 0, y = 0;
+        std::uint32_t point = 0;
+        Sample* sample = nullptr;  ///< written in place: copying samples takes a tenth of the time
+        const Sample* near = nullptr;  ///< whose veil it has where both see a body; null: its own
+        float share = 1;               ///< of its light that one ray to lamp and sky each finds
+    };
+    /// Rays to lamp and sky each from a point, of which the pixels around have others: broad
+    /// surfaces show fewer steps of light than spheres.
+    int lightRays() const { return solid_ ? 4 : 2; }
+    /// Finds what is seen at up to `kTogether` spots, whose samples are empty.
+    void see(const Spot* spots, int count) const;
+    /// Casts a ray to the lamp and one to the sky from those that take light.
+    void light(const Spot* spots, int count) const;
 
     Color shade(const Sample& s) const;
 
@@ -74,20 +89,17 @@ private:
     /// The length of a ray within the part that a cut keeps.
     inline float freeWay(const Float3& from, const Float3& along) const;
     /// A point of the cut face, drawn without light.
-    inline void showCut(const Start& start, const Color& color, Sample& s) const;
+    inline void showCut(const Start& start, const Color& color, std::uint64_t body,
+                        Sample& s) const;
     /// The line of the wall or the disc of a sphere at the cut face. @return whether there is one.
     inline bool showSection(const Start& start, Sample& s) const;
     /// The surface of a body where a ray hits it. @return false: it is seen from within, at its cut
-    /// face. @param origin  of further rays
-    inline bool showBody(const Hit& hit, const Float3& along, Sample& s, Float3& origin) const;
+    /// face.
+    inline bool showBody(const Hit& hit, const Float3& along, Sample& s) const;
     /// Adds the wall along rays that end at their hits, or behind everything if they start inside.
-    void addVeil(Rays rays, Sample* samples) const;
+    void addVeil(Rays rays, const Spot* spots) const;
     /// One layer of it. @return whether there may be another one behind
     inline bool addLayer(int layer, const Hit& hit, const Float3& along, Sample& s) const;
-    /// @param origins  of the rays to lamp and sky. @param lit  the samples that are in the light
-    void addLight(int px, int py, const std::array<Float3, kSamples>& origins,
-                  const std::array<bool, kSamples>& lit, Sample* samples) const;
-
     const SpacePreview& scene_;
     const PreviewOptions options_;
     Local local_;
