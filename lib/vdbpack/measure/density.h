@@ -51,7 +51,7 @@ struct DensityProfile {
 
 /// Bins of `width` from the wall down to `deepest`, as far as the domain reaches.
 ///
-/// Spheres are sampled by 16 to 1000 low-discrepancy points each, twelve million together; the
+/// Spheres are sampled by 16 to 1000 low-discrepancy points each, three million together; the
 /// errors are those of as many independent points, which are larger. The volume of each bin is
 /// `Domain::volumeDeeperThan`'s.
 /// @param deepest  mm, at most `domain.fieldDepth()`.
