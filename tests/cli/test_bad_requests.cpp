@@ -1,6 +1,7 @@
 // Requests that cannot be met: refused soon, without much memory, and the message names what is
 // wrong.
 #include "support/generators.h"
+#include "support/image_file.h"
 #include "support/mesh_file.h"
 #include "support/requests.h"
 #include "support/test.h"
@@ -293,4 +294,26 @@ TEST_CASE("options of all parts are refused in a part") {
         CHECK_THAT(refused.text, Contains("part 'a'") && Contains("is of all parts") &&
                                      Contains("--" + key.substr(0, key.find(' '))));
     }
+}
+
+TEST_CASE("what is wrong with the image of a part is said with the part and its file") {
+    const TemporaryFolder folder;
+    writeHalves(folder.file("two.nrrd"));
+    const std::string file = folder.file("parts.toml");
+    for (const auto& [words, expected] :
+         {std::pair{"label = '7'", "--label 7: "},
+          std::pair{"label = '5'\nmask = '3=two.nrrd'", "--mask 3="}}) {
+        CAPTURE(words);
+        std::ofstream(file) << "[[part]]\nname = 'low'\ndomain = 'two.nrrd'\nlabel = '9'\n"
+                            << "[[part]]\nname = 'high'\ndomain = 'two.nrrd'\n"
+                            << words << '\n';
+        const auto refused = vdbPack("pack --radius constant:1 --quiet --json --parts " + file);
+        CHECK(refused.code == 2);
+        CHECK_THAT(refused.text, Contains("parts.toml: part 'high': ") && Contains(expected));
+    }
+    // A name that is almost that of a file of options.
+    const auto absent = vdbPack("pack " + folder.file("part.toml") + " --radius constant:1 --json");
+    CHECK(absent.code == 4);
+    CHECK_THAT(absent.text, Contains("did you mean ") && Contains("parts.toml?"));
+    CHECK_THAT(vdbPack("stiffness " + folder.file("part.toml")).text, Contains("parts.toml?"));
 }

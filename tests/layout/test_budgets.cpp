@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94409},
+    {"lib", 94459},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2545},
     {"lib/vdbpack/io", 2961},
@@ -36,15 +36,15 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5582},
     {"lib/vdbpack/voids", 8077},
-    {"lib/vdbpack/formats", 10304},
+    {"lib/vdbpack/formats", 10306},
     {"lib/vdbpack/report", 4040},
     {"lib/vdbpack/preview", 3597},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7505},
+    {"lib/vdbpack/run", 7553},
     {"tools", 3943},
-    {"tests", 35400},
+    {"tests", 35437},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -7,6 +7,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
+#include "vdbpack/run/part_space.h"
 
 #include <fmt/format.h>
 
@@ -95,6 +96,19 @@ TEST_CASE("an interface has its area where triangles are larger than it") {
     const auto found = runPack(recipe).report.interfaces;
     REQUIRE(found.size() == 1);
     CHECK(found.front().area == Approx(3 * 4).epsilon(0.1));
+}
+
+TEST_CASE("spheres alone tell the volume of parts and the area between them") {
+    const TemporaryFolder folder;
+    PackRecipe recipe;
+    recipe.parts = {boxPart(folder.file("a.stl"), {{{0, 0, 0}}, {{18, 18, 10}}}, "low"),
+                    boxPart(folder.file("b.stl"), {{{6, 5, 10}}, {{22, 20, 24}}}, "high")};
+    const auto pack = std::get<Pack<3>>(runPack(recipe).pack);
+    const PartSpace space = spaceOfParts(pack, Materials(pack));
+    CHECK(space.volume.at(0) == Approx(18 * 18 * 10).epsilon(0.1));
+    CHECK(space.volume.at(1) == Approx(16 * 15 * 14).epsilon(0.1));
+    REQUIRE(space.area.size() == 1);
+    CHECK(space.area.at({0, 1}) == Approx(12 * 13).epsilon(0.1));
 }
 
 TEST_CASE("a part within one that is listed later has to come after it") {

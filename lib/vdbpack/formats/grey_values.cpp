@@ -187,8 +187,8 @@ void addSamples(const GreyRecipe& recipe, const DomainRecipe& domain, Pack<Dim>&
             std::count_if(means.begin(), means.end(), [](double v) { return std::isnan(v); });
         if (static_cast<std::size_t>(outside) == means.size())
             throw InputError(sample.file +
-                             ": lies elsewhere than all spheres; check `space`, and the unit of "
-                             "the domain or pack");
+                             ": lies elsewhere than all spheres; check that it is of the same "
+                             "scan, `space`, and the unit of the domain or pack");
         if (outside > 0)
             callbacks.warn(
                 fmt::format("{}: {} of {} {} lie outside of this image, and have the value nan, "

@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/io/input_file.h"
 #include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
 
@@ -63,6 +64,7 @@ std::optional<PackTarget> knownTarget(const std::string& file) {
 
 /// Why a file is refused. @param written  whether to list formats that are written
 std::string unknownFormat(const std::string& file, bool written) {
+    if (extensionOf(file) == ".toml" && !written) requireThere(file);
     if (extensionOf(file) == ".toml")
         return file + ": holds options (`config`) or parts (`parts`) and no spheres; give the pack";
     std::vector<std::string> extensions;

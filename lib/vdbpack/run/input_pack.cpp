@@ -16,6 +16,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -137,22 +138,35 @@ void warnOfTolerance(const std::string& file, const PackOrigin& origin, const Bo
         options.tolerance));
 }
 
-bool warnOfOutside(const std::vector<double>& depths, const std::string& domain,
-                   const Callbacks& callbacks) {
-    const auto outside =
-        std::count_if(depths.begin(), depths.end(), [](double d) { return d > 0; });
-    return warnOfOutside(static_cast<std::uint64_t>(outside), depths.size(), domain, callbacks);
+bool warnOfOutside(const std::vector<double>& depths, const PackAttributes& pack,
+                   const std::string& domain, const Callbacks& callbacks) {
+    const Materials materials(pack);
+    std::set<std::int32_t> parts;
+    std::uint64_t outside = 0;
+    for (std::size_t i = 0; i < depths.size(); ++i)
+        if (depths[i] > 0) ++outside, parts.insert(materials.partOf(i));
+    const auto& names = partNames(pack);
+    std::vector<std::string> theirs;
+    if (parts.size() < names.size())
+        for (const std::int32_t part : parts)
+            theirs.push_back(names[static_cast<std::size_t>(part)]);
+    return warnOfOutside(outside, depths.size(), domain, callbacks,
+                         fmt::format("{}", fmt::join(theirs, ", ")));
 }
 
 bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& domain,
-                   const Callbacks& callbacks) {
+                   const Callbacks& callbacks, const std::string& parts) {
     constexpr double kMostOutside = 0.01;
     if (static_cast<double>(outside) <= kMostOutside * static_cast<double>(count)) return false;
     callbacks.warn(
-        fmt::format("{} of {} spheres have their center outside of {}, which is another body's "
-                    "domain, or that of some of several parts; check `domain`, `label`, `mask`, "
-                    "`space` and units",
-                    outside, count, domain));
+        parts.empty()
+            ? fmt::format("{} of {} spheres have their center outside of {}, which is another "
+                          "body's domain, or that of some of several parts; check `domain`, "
+                          "`label`, `mask`, `space` and units",
+                          outside, count, domain)
+            : fmt::format("{} of {} spheres, all of {}, have their center outside of {}, as those "
+                          "of an implant may; else check `domain`, `label` and `mask`",
+                          outside, count, parts, domain));
     return true;
 }
 

@@ -54,13 +54,21 @@ void requireSameAxes(const std::string& file, const PackOrigin& origin, const Do
 void warnOfTolerance(const std::string& file, const PackOrigin& origin, const BondOptions& options,
                      const Callbacks& callbacks);
 
+template <int Dim>
+std::vector<Vec<Dim>> centersOf(const Pack<Dim>& pack) {
+    std::vector<Vec<Dim>> centers;
+    for (const auto& s : pack.spheres) centers.push_back(s.center);
+    return centers;
+}
+
 /// Warns of a domain that is another body's than the spheres': centers lie outside of it.
 /// @return whether it did
+/// @param parts  names of the parts that they are all of; empty: of any.
 bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& domain,
-                   const Callbacks& callbacks);
+                   const Callbacks& callbacks, const std::string& parts = {});
 /// @param depths  signed distances of all centers.
-bool warnOfOutside(const std::vector<double>& depths, const std::string& domain,
-                   const Callbacks& callbacks);
+bool warnOfOutside(const std::vector<double>& depths, const PackAttributes& pack,
+                   const std::string& domain, const Callbacks& callbacks);
 
 /// Builds the domain of a pack of so many spheres, if there is one and memory suffices.
 /// @param reach  as in DomainSource::build. @throws ResourceError, and as DomainSource::build

@@ -2,6 +2,7 @@
 #include "vdbpack/domain/label_domains.h"
 #include "vdbpack/domain/mesh_parts.h"
 #include "vdbpack/formats/output_target.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/run/run_parts.h"
 
 #include <fmt/format.h>
@@ -150,6 +151,23 @@ void cutByLater(const std::vector<LabelPlace>& places, Parts& parts) {
         }
 }
 
+/// Does something for one part; where parts are listed, errors name it and their file.
+template <class Work>
+auto inPart(const PackRecipe& all, const PackRecipe& part, const Work& work) {
+    const auto named = [&](const std::string& text) {
+        if (all.parts.empty() || startsWith(text, part.name + ": ")) return text;
+        return fmt::format("{}part '{}': {}", all.partsFile.empty() ? "" : all.partsFile + ": ",
+                           part.name, text);
+    };
+    try {
+        return work();
+    } catch (const ParameterError& error) {
+        throw ParameterError(named(error.what()));
+    } catch (const InputError& error) {
+        throw InputError(named(error.what()));
+    }
+}
+
 }  // namespace
 
 InputError withPart(const Part& part, const InputError& error) {
@@ -170,7 +188,7 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
     std::vector<LabelPlace> places;
     for (std::size_t k = 0; k < recipes.size(); ++k) {
         settle(recipes, k, recipe.seed);
-        places.push_back(placeOf(recipes[k], images));
+        places.push_back(inPart(recipe, recipes[k], [&] { return placeOf(recipes[k], images); }));
     }
     images.makeSurfaces();
     Parts parts;
@@ -178,9 +196,11 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
         callbacks.stopIfCancelled();
         const DomainRecipe& domain = recipes[k].domain;
         const LabelPlace& place = places[k];
-        auto source = std::make_shared<DomainSource>(
-            place.image ? place.image->source(domain, place.part, callbacks)
-                        : DomainSource(domain, callbacks));
+        auto source = inPart(recipe, recipes[k], [&] {
+            return std::make_shared<DomainSource>(
+                place.image ? place.image->source(domain, place.part, callbacks)
+                            : DomainSource(domain, callbacks));
+        });
         if (source->dim() != 3)
             throw ParameterError(recipes[k].name + ": parts fill domains of space");
         parts.push_back({std::move(recipes[k]), std::move(source)});

@@ -93,6 +93,14 @@ void noteMissing(const ConvertRecipe& recipe, const PackAttributes& pack, const 
         result.modulus = recipe.bonds.law.modulus;
 }
 
+/// Whether all outputs are label maps, which have a place for spheres outside of the domain.
+bool takesGridAlone(const ConvertRecipe& recipe) {
+    const auto& outputs = recipe.outputs;
+    return std::all_of(outputs.begin(), outputs.end(), [](const OutputTarget& output) {
+        return output.kind == OutputKind::labels;
+    });
+}
+
 template <int Dim>
 void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& result,
                  const Callbacks& callbacks) {
@@ -120,12 +128,11 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         }
         if constexpr (Dim == 2) write.frame = have.domain->bounds();
         solid = solidFraction(pack.spheres, *have.domain);
-        std::vector<Vec<Dim>> centers;
-        for (const auto& s : pack.spheres) centers.push_back(s.center);
-        const auto depths = have.domain->signedDistances(centers);
+        const auto depths = have.domain->signedDistances(centersOf(pack));
         requireSameAxes(recipe.pack, pack.origin, *source);
-        if (!warnOfOutside(depths, describe(recipe.domain), callbacks) && source->imageGrid())
-            pack.origin.axes = axesOf(*source);
+        const bool fits = takesGridAlone(recipe) ||
+                          !warnOfOutside(depths, pack, describe(recipe.domain), callbacks);
+        if (fits && source->imageGrid()) pack.origin.axes = axesOf(*source);
     }
     write.generator = generatorWith(kGenerator, pack.origin);
     if constexpr (Dim == 3) {

@@ -49,8 +49,7 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, Body& body, Stiff
                  const Callbacks& callbacks) {
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
     const double reach = recipe.boundary.value_or(0.1 * radius.mean);
-    std::vector<Vec<3>> centers;
-    for (const auto& s : pack.spheres) centers.push_back(s.center);
+    const std::vector<Vec<3>> centers = centersOf(pack);
     const DomainRecipe named = domainOf(recipe, pack);
     const auto source = domainAround(named, 3, callbacks);
     std::vector<double> depths;
@@ -71,7 +70,7 @@ void setBoundary(const StiffnessRecipe& recipe, Pack<3>& pack, Body& body, Stiff
                 "{}: all spheres have their center outside of {}; check `domain`, `label`, `mask`, "
                 "`space` and units",
                 recipe.pack, result.body));
-        const bool elsewhere = warnOfOutside(depths, result.body, callbacks);
+        const bool elsewhere = warnOfOutside(depths, pack, result.body, callbacks);
         if (named.clips.empty())  // else the bounds are wider than the clipped domain
             warnOfOtherEnds(pack, built.space->bounds(), result.body,
                             startsWith(named.source, "box:"), !elsewhere, callbacks);

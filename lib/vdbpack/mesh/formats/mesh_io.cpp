@@ -46,7 +46,7 @@ constexpr double kLargest = 1e9;
         throw InputError(path +
                          ": is an image of a format that is not read; convert it to .nii.gz, "
                          ".nrrd or .mha, and set `threshold` or `label`");
-    if (extension.empty()) requireThere(path);
+    if (extension.empty() || extension == ".toml") requireThere(path);
     if (extension == ".toml")
         throw InputError(path + ": holds options (`config`) or parts (`parts`) and no mesh");
     throw InputError(
