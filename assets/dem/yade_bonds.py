@@ -75,6 +75,9 @@ def load_bonds(path, first=0, ids=None):
     with open(path, newline="") as file:
         for row in csv.DictReader(file):
             ends = [ids[int(row[e])] if ids else first + int(row[e]) for e in "ij"]
+            if lost := [end for end in ends if end >= len(O.bodies) or O.bodies[end] is None]:
+                raise ValueError(f"{path}: bonds body {lost[0]}, and the scene has {len(O.bodies)} bodies; append the pack to O.bodies "
+                                 "before load_bonds(), and set `first` where others stand before its spheres")
             one = createInteraction(*ends)
             if float(row.get("modulus") or 1e300) < 1e-4 * min(O.bodies[end].material.young for end in ends):
                 raise ValueError(f"{path}: moduli of bonds are in MPa and lengths in mm, moduli of materials in Pa; "

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94459},
+    {"lib", 94517},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2545},
     {"lib/vdbpack/io", 2961},
@@ -32,7 +32,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/repair", 2835},
     {"lib/vdbpack/domain", 6982},
     {"lib/vdbpack/pack", 7899},
-    {"lib/vdbpack/densify", 5672},
+    {"lib/vdbpack/densify", 5721},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5582},
     {"lib/vdbpack/voids", 8077},
@@ -42,9 +42,9 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7553},
+    {"lib/vdbpack/run", 7562},
     {"tools", 3943},
-    {"tests", 35437},
+    {"tests", 35457},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -5,6 +5,8 @@
 
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/made_mesh.h"
 
 #include <nlohmann/json.hpp>
 
@@ -289,4 +291,19 @@ TEST_CASE("a target count is met, or the run says that it is not") {
     CHECK(count(recipe, 3000, warned) == Approx(3000).epsilon(0.02));
     recipe.packing.gap = 5;
     CHECK_THROWS_WITH(count(recipe, 1000, warned), Contains("gap of 5 mm"));
+}
+
+TEST_CASE("a front in a wedge settles where there is room for its spheres") {
+    const TemporaryFolder folder;
+    TriangleMesh wedge = boxMesh({{0, 0, -1}, {40, 20, 1}});
+    for (Vec<3>& v : wedge.vertices) v[2] *= 0.8 + 1.7 * v[0] / 40;  // 1.6 to 5 mm thick
+    writeStl(wedge, folder.file("wedge.stl"), Unit::millimeter, "test");
+    PackJob job = recipeFor(folder.file("wedge.stl"), "uniform:1,2");
+    const RunResult front = runPack(settled(job));
+    job.settle = true;
+    const RunResult run = runPack(settled(job));
+    CHECK_FALSE(mentions(run.report.warnings, "overlaps were left"));
+    CHECK(run.report.count == front.report.count);
+    CHECK(run.report.hash != front.report.hash);
+    CHECK(run.report.protrusion->max <= 0);
 }

@@ -4,6 +4,7 @@
 #include "vdbpack/densify/relaxation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -89,7 +90,33 @@ typename Relaxation<Dim>::Strain Relaxation<Dim>::strainOf(const Run& run,
 }
 
 template <int Dim>
-void Relaxation<Dim>::loosen(float worst) {
+void Relaxation<Dim>::leaveWalls(const Run& run, std::uint32_t slot, float speed) {
+    const std::uint32_t k = slot - run.first;
+    const Body& body = now_.bodies[slot];
+    std::array<float, 3> toward{};
+    float most = 0;  // cosine of the angle of two walls, negative
+    for (std::uint32_t p = k > 0 ? run.planeEnds[k - 1] : 0; p < run.planeEnds[k]; ++p)
+        for (std::uint32_t q = p + 1; q < run.planeEnds[k]; ++q) {
+            const WallPlane &a = run.planes[p], &b = run.planes[q];
+            const float cosine = a.nx * b.nx + a.ny * b.ny + a.nz * b.nz;
+            if (!(cosine < most) || !(a.distance(body) < body.radius) ||
+                !(b.distance(body) < body.radius))
+                continue;
+            most = cosine;
+            toward = {a.nx + b.nx, a.ny + b.ny, a.nz + b.nz};
+        }
+    const float square = toward[0] * toward[0] + toward[1] * toward[1] + toward[2] * toward[2];
+    if (!(square > 0)) return;
+    const float by = speed * inverseRoot(square);
+    const auto quanta = [&](float v) {
+        return static_cast<std::uint32_t>(static_cast<std::int32_t>(by * v));
+    };
+    now_.before[slot] = {body.x - quanta(toward[0]), body.y - quanta(toward[1]),
+                         body.z - quanta(toward[2]), body.radius};
+}
+
+template <int Dim>
+void Relaxation<Dim>::loosen(float worst, float kick, bool exchanges) {
     toHost();
     const float least = std::max(0.5f * worst, delta_);
     std::vector<std::vector<Strain>> all(runs_.size());  // by slots, before any are exchanged
@@ -115,22 +142,26 @@ void Relaxation<Dim>::loosen(float worst) {
             for (const std::uint32_t first = ++l; l-- > 0 && first - l <= kLooser;) {
                 const std::uint32_t small = run.ranks[l];
                 if (now_.bodies[small].radius < now_.bodies[big].radius && isAlike(small, big) &&
+                    !(kick > 0 && run.hasWall(small)) &&
                     strains[small - run.first].squeeze <
                         strains[run.ranks[best] - run.first].squeeze)
                     best = l;
             }
-            if (best == rank) continue;
-            exchangeLabels(run.ranks[best], big);
-            exchange(run, best, rank, now_.bodies);
+            if (best == rank) {
+                if (kick > 0) leaveWalls(run, big, kick);
+            } else if (exchanges) {
+                exchangeLabels(run.ranks[best], big);
+                exchange(run, best, rank, now_.bodies);
+            }
         }
     });
 }
 
 template void Relaxation<2>::swapRun(Run&, const std::vector<Squeezed>&);
 template void Relaxation<2>::exchangeLabels(std::uint32_t, std::uint32_t);
-template void Relaxation<2>::loosen(float);
+template void Relaxation<2>::loosen(float, float, bool);
 template void Relaxation<3>::swapRun(Run&, const std::vector<Squeezed>&);
 template void Relaxation<3>::exchangeLabels(std::uint32_t, std::uint32_t);
-template void Relaxation<3>::loosen(float);
+template void Relaxation<3>::loosen(float, float, bool);
 
 }  // namespace vdbpack

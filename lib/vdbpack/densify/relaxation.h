@@ -59,9 +59,8 @@ public:
     Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres, Ranks& ranks,
                const std::vector<std::uint32_t>& labels, double further, std::uint64_t seed);
     ~Relaxation();
-    /// Keeps the centers of spheres on their side of a boundary; see GroupBoundary.
-    /// @param isInside  whether the spheres of a region lie inside; must outlive this, as the
-    /// first.
+    /// Keeps the centers of spheres on their side of a boundary; see GroupBoundary. Both must
+    /// outlive this. @param isInside  whether the spheres of a region lie inside
     void keepTo(GroupBoundary<Dim>& boundary, const std::function<bool(std::int32_t)>& isInside) {
         boundary_ = &boundary;
         isInside_ = &isInside;
@@ -96,8 +95,7 @@ public:
     /// A vacancy for each of further spheres: the point with the most room of some points drawn
     /// near a sphere. They may overlap other spheres and one another. Radii in mm.
     /// @param regions  of each further sphere, near whose spheres it is placed; empty: anywhere.
-    /// @param belongs  whether a point (mm) is one for a sphere of a region; empty: all are.
-    ///                 Thread-safe.
+    /// @param belongs  whether a point (mm) is one for a region; thread-safe. Empty: all are.
     using Belongs = std::function<bool(const Vec<Dim>& x, std::int32_t region)>;
     std::vector<Sphere<Dim>> vacancies(const std::vector<double>& radii,
                                        const std::vector<std::int32_t>& regions, std::uint64_t salt,
@@ -112,9 +110,8 @@ public:
 
     /// Over ranks: what is left of a sphere of any of them.
     struct Settled {
-        std::uint32_t label,
-            place;        ///< its number, and the number of the sphere that was there at first
-        Vec<Dim> center;  ///< mm
+        std::uint32_t label, place;  ///< its number, and that of the sphere there at first
+        Vec<Dim> center;             ///< mm
     };
     std::vector<Settled> settled() const;
 
@@ -183,6 +180,9 @@ private:
         float fastest = 0;       ///< largest squared step, quanta²
         bool coincides = false;  ///< two centers coincided when lists were made
         bool expired = false;    ///< a sphere went farther, or grew more, than the lists allow for
+        bool hasWall(std::uint32_t slot) const {
+            return planeEnds[slot - first] > (slot > first ? planeEnds[slot - first - 1] : 0);
+        }
         /// Whether a slot is between two walls.
         bool isBetweenWalls(std::uint32_t slot) const {
             const std::uint32_t k = slot - first;
@@ -205,6 +205,10 @@ private:
     struct Drawing;
     Outcome draw(const Drawing& drawing, const Callbacks& callbacks,
                  const std::function<void(double)>& onStep);
+    /// Spheres whose overlaps stay exchange, or leave the walls that squeeze them.
+    /// @param left  steps until pulls end. @param before  the worst overlap when this was asked
+    /// last
+    void relieve(int left, float worst, float& before, const RelaxationStep& step);
     void setDelta(double delta);
     void setRadii(const std::vector<Sphere<Dim>>& spheres);
     void placeSlots(const std::vector<Sphere<Dim>>& spheres);
@@ -328,8 +332,10 @@ private:
         float worst = 0, squeeze = 0;
     };
     Strain strainOf(const Run& run, std::size_t member) const;
-    /// Exchanges the spheres with the worst overlaps.
-    void loosen(float worst);
+    /// Exchanges the spheres with the worst overlaps, if asked, or, if they are the smallest ones,
+    /// lets them leave the walls that squeeze them. @param kick  at this velocity; 0: they stay
+    void loosen(float worst, float kick = 0, bool exchanges = true);
+    void leaveWalls(const Run& run, std::uint32_t slot, float speed);
 
     /// Calls `visit(slot)` for (at least) all whose surface is closer than `reach`.
     template <class Visit>

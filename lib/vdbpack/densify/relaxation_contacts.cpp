@@ -16,14 +16,17 @@ constexpr double kRest = 7e-5, kLeastDelta = 1e-5, kLeastQuanta = 10;
 /// Overlaps below this share of delta are none of the true radii, with a margin for rounding.
 constexpr float kContactApart = 0.9f;
 /// Most steps. Without a pull, the last overlaps take 3 to 20; a few among a million spheres take
-/// 340.
-constexpr int kMostSteps = 600;
+/// 340. Where a front settles in thin bone, a few take long to find a place.
+constexpr int kMostSteps = 600, kMostSettling = 900;
 /// In kPatience steps, the worst overlap falls to less than this share of it, or else the spheres
 /// that have it exchange positions with smaller ones, once pulls have ended for as long: not where
 /// overlaps are as small as kLeftOver, unless it is for kLongPatience. Where a front settles, also
 /// before, where overlaps are larger than kWhilePulled and so many times the pull.
 constexpr int kPatience = 15, kLongPatience = 150;
 constexpr float kPatient = 0.7f, kLeftOver = 1e-4f, kWhilePulled = 1e-3f, kByPull = 4;
+/// In every so many steps, the smallest spheres of a front that two walls squeeze as much are sent
+/// to where these are farther apart: walls that are almost parallel hardly push them there.
+constexpr int kKickEvery = 5;
 /// So many steps before the pull ends, and then, the exact wall is queried: the spheres are close
 /// to where they will be.
 constexpr int kWallBefore = 25;
@@ -133,23 +136,32 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::draw(const Drawing& drawing,
             outcome.apart = true;
             return outcome;
         }
-        if (outcome.steps == kMostSteps) return outcome;
+        if (outcome.steps == (settling_ ? kMostSettling : kMostSteps)) return outcome;
         advance();
         refreshNear();
-        if (left % kPatience == 0) {
-            const float leftOver = left < -kLongPatience ? delta_
-                                   : left < -kPatience   ? kLeftOver
-                                   : settling_           ? kWhilePulled + kByPull * step.pull
-                                                         : std::numeric_limits<float>::infinity();
-            if (worst > kPatient * before && worst > leftOver) {
-                loosen(worst);
-                refreshNear();
-            }
-            before = worst;
-        }
+        relieve(left, worst, before, step);
         step.pull *= fade;
         ++clock_;
     }
+}
+
+template <int Dim>
+void Relaxation<Dim>::relieve(int left, float worst, float& before, const RelaxationStep& step) {
+    const float whilePulled = kWhilePulled + kByPull * step.pull;
+    const float kick = settling_ && worst > whilePulled ? step.cap : 0;
+    if (left % kPatience != 0) {
+        if (kick > 0 && left % kKickEvery == 0) loosen(worst, kick, false);
+        return;
+    }
+    const float leftOver = left < -kLongPatience ? delta_
+                           : left < -kPatience   ? kLeftOver
+                           : settling_           ? whilePulled
+                                                 : std::numeric_limits<float>::infinity();
+    if (worst > kPatient * before && worst > leftOver) {
+        loosen(worst, kick);
+        refreshNear();
+    }
+    before = worst;
 }
 
 template typename Relaxation<2>::Outcome Relaxation<2>::settle(const Callbacks&,

@@ -2,7 +2,6 @@
 #include "vdbpack/domain/label_domains.h"
 #include "vdbpack/domain/mesh_parts.h"
 #include "vdbpack/formats/output_target.h"
-#include "vdbpack/io/text.h"
 #include "vdbpack/run/run_parts.h"
 
 #include <fmt/format.h>
@@ -149,23 +148,6 @@ void cutByLater(const std::vector<LabelPlace>& places, Parts& parts) {
             if (!intersection(earlier.domainBounds(), later.domainBounds()).empty())
                 earlier.cutBy(later);
         }
-}
-
-/// Does something for one part; where parts are listed, errors name it and their file.
-template <class Work>
-auto inPart(const PackRecipe& all, const PackRecipe& part, const Work& work) {
-    const auto named = [&](const std::string& text) {
-        if (all.parts.empty() || startsWith(text, part.name + ": ")) return text;
-        return fmt::format("{}part '{}': {}", all.partsFile.empty() ? "" : all.partsFile + ": ",
-                           part.name, text);
-    };
-    try {
-        return work();
-    } catch (const ParameterError& error) {
-        throw ParameterError(named(error.what()));
-    } catch (const InputError& error) {
-        throw InputError(named(error.what()));
-    }
 }
 
 }  // namespace

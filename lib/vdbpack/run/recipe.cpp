@@ -7,7 +7,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/io/suggest.h"
-#include "vdbpack/run/stages.h"
+#include "vdbpack/run/run_parts.h"
 #include "vdbpack/voids/local_values.h"
 
 #include <fmt/format.h>
@@ -144,8 +144,11 @@ void checkRecipe(const PackRecipe& recipe) {
     checkPacking(recipe);
     addInputs(recipe, inputs);
     for (const PackRecipe& part : recipe.parts) {
-        checkPacking(part);
-        checkDensity(part.density);
+        inPart(recipe, part, [&] {
+            checkPacking(part);
+            checkDensity(part.density);
+            if (!part.grey.modulus.empty()) needsDensity(part.grey.modulus);
+        });
         addInputs(part, inputs);
     }
     checkSettings(recipe, RunKind::pack, recipe.voids, inputs);

@@ -1,9 +1,14 @@
 // Private to runs: packs of several parts, each in a domain of its own.
 #pragma once
 
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/run/stages.h"
 
+#include <fmt/format.h>
+
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace vdbpack {
@@ -18,6 +23,25 @@ using Parts = std::vector<Part>;
 /// The parts of a recipe, with surfaces that later ones cut from earlier ones; none if it has one
 /// domain. @throws as `runPack`
 Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks);
+
+/// Does something for one part; where parts are listed, errors name it and their file.
+template <class Work>
+auto inPart(const PackRecipe& all, const PackRecipe& part, const Work& work) {
+    const auto named = [&](const std::string& text) {
+        if (all.parts.empty() || startsWith(text, part.name + ": ")) return text;
+        return fmt::format("{}part '{}': {}", all.partsFile.empty() ? "" : all.partsFile + ": ",
+                           part.name, text);
+    };
+    try {
+        return work();
+    } catch (const ParameterError& error) {
+        throw ParameterError(named(error.what()));
+    } catch (const InputError& error) {
+        throw InputError(named(error.what()));
+    } catch (const IoError& error) {
+        throw IoError(named(error.what()));
+    }
+}
 
 /// The error of a part, with its name and, where later parts have (almost) all of its space, that.
 InputError withPart(const Part& part, const InputError& error);
