@@ -110,7 +110,7 @@ public:
 
     /// Over ranks: what is left of a sphere of any of them.
     struct Settled {
-        std::uint32_t label, place;  ///< its number, and that of the sphere there at first
+        std::uint32_t label, place;  ///< its number, and the number of the first one there
         Vec<Dim> center;             ///< mm
     };
     std::vector<Settled> settled() const;
