@@ -59,6 +59,32 @@ def bond_engines(damping=0.3):
     ]
 
 
+def rows_of(path, first, ids):
+    """The two bodies of each row of a file of bonds, and the row."""
+    with open(path, newline="") as file:
+        for row in csv.DictReader(file):
+            yield [ids[int(row[e])] if ids else first + int(row[e]) for e in "ij"], row
+
+
+def check_bonds(path, first, ids):
+    """Refuses bonds of bodies that are not there, of another pack, or in other units."""
+    stiffest = hardest = 0
+    for ends, row in rows_of(path, first, ids):
+        if lost := [end for end in ends if end >= len(O.bodies) or O.bodies[end] is None]:
+            raise ValueError(f"{path}: bonds body {lost[0]}, and the scene has {len(O.bodies)} bodies; append the pack to O.bodies "
+                             "before load_bonds(), and set `first` where others stand before its spheres")
+        a, b = (O.bodies[end] for end in ends)
+        apart = (b.state.pos - a.state.pos).norm()
+        if not O.periodic and not 0.98 < apart / float(row.get("length") or apart) < 1.02:
+            raise ValueError(f"{path}: a bond of {row['length']} joins spheres {apart:g} apart; write pack and bonds in one run, "
+                             "with --out-unit m")
+        stiffest = max(stiffest, float(row.get("modulus") or 0))
+        hardest = max(hardest, a.material.young, b.material.young)
+    if 0 < stiffest < 1e-4 * hardest:
+        raise ValueError(f"{path}: moduli of bonds, {stiffest:g} at most, are in MPa, and those of materials, {hardest:g}, in Pa; "
+                         "write pack and bonds with --out-unit m")
+
+
 def load_bonds(path, first=0, ids=None):
     """Bonds bodies by the rows of `path`; engines of bond_engines() must be there.
 
@@ -70,31 +96,20 @@ def load_bonds(path, first=0, ids=None):
     if not makers:
         raise RuntimeError("set O.engines = bond_engines() before load_bonds(), which takes their kind of bond")
     maker = makers[0]
+    check_bonds(path, first, ids)
     maker.setCohesionNow = True
     made = []
-    with open(path, newline="") as file:
-        for row in csv.DictReader(file):
-            ends = [ids[int(row[e])] if ids else first + int(row[e]) for e in "ij"]
-            if lost := [end for end in ends if end >= len(O.bodies) or O.bodies[end] is None]:
-                raise ValueError(f"{path}: bonds body {lost[0]}, and the scene has {len(O.bodies)} bodies; append the pack to O.bodies "
-                                 "before load_bonds(), and set `first` where others stand before its spheres")
-            one = createInteraction(*ends)
-            if float(row.get("modulus") or 1e300) < 1e-4 * min(O.bodies[end].material.young for end in ends):
-                raise ValueError(f"{path}: moduli of bonds are in MPa and lengths in mm, moduli of materials in Pa; "
-                                 "write pack and bonds with --out-unit m")
-            apart = (O.bodies[ends[1]].state.pos - O.bodies[ends[0]].state.pos).norm()
-            if not O.periodic and not 0.1 < apart / float(row.get("length") or apart) < 10:
-                raise ValueError(f"{path}: a bond of {row['length']} joins spheres {apart:g} apart; write pack and bonds in one run, "
-                                 "with --out-unit m")
-            phys = one.phys
-            phys.kn, phys.ks, phys.kr, phys.ktw = (float(row[k]) for k in ("k_n", "k_t", "k_bending", "k_torsion"))
-            phys.unp = one.geom.penetrationDepth
-            # A strength of 0: the bond does not break.
-            phys.normalAdhesion, phys.shearAdhesion = (float(row[s]) or 1e300 for s in ("tensile", "shear"))
-            phys.fragile = phys.momentRotationLaw = True
-            if hasattr(phys, "rollingAdhesion"):  # later versions also break bonds by their moments
-                phys.rollingAdhesion = phys.twistingAdhesion = 1e300
-            made.append(tuple(ends))
+    for ends, row in rows_of(path, first, ids):
+        one = createInteraction(*ends)
+        phys = one.phys
+        phys.kn, phys.ks, phys.kr, phys.ktw = (float(row[k]) for k in ("k_n", "k_t", "k_bending", "k_torsion"))
+        phys.unp = one.geom.penetrationDepth
+        # A strength of 0: the bond does not break.
+        phys.normalAdhesion, phys.shearAdhesion = (float(row[s]) or 1e300 for s in ("tensile", "shear"))
+        phys.fragile = phys.momentRotationLaw = True
+        if hasattr(phys, "rollingAdhesion"):  # later versions also break bonds by their moments
+            phys.rollingAdhesion = phys.twistingAdhesion = 1e300
+        made.append(tuple(ends))
     maker.setCohesionNow = False  # contacts of later have friction only
     return made
 
