@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94517},
+    {"lib", 94525},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2545},
     {"lib/vdbpack/io", 2961},
@@ -42,7 +42,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7562},
+    {"lib/vdbpack/run", 7570},
     {"tools", 3943},
     {"tests", 35457},
 };

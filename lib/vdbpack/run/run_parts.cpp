@@ -301,6 +301,8 @@ void setProperties(const Parts& parts, const PackedParts& packed, Run<3>& all) {
     constexpr double kHarderThanBone = 3e4;  // MPa
     const std::string& modulus = all.settings.grey.modulus;
     const Materials materials(all.pack);
+    const bool anyImage = std::any_of(parts.begin(), parts.end(),
+                                      [](const Part& part) { return isImage(part.recipe.domain); });
     for (std::size_t k = 0; k < parts.size(); ++k) {
         if (!packed.runs[k]) continue;
         const auto number = static_cast<std::int32_t>(k);
@@ -312,7 +314,13 @@ void setProperties(const Parts& parts, const PackedParts& packed, Run<3>& all) {
                 "{}: its density follows from the grey values, but no bone has its `modulus` {}; "
                 "set `density` in the part to the density of its material, kg/m³",
                 part.name, part.grey.modulus));
-        if (!part.grey.modulus.empty() && part.grey.modulus != modulus)
+        const bool sharesModulus = part.grey.modulus.empty() || part.grey.modulus == modulus;
+        if (part.density.empty() && sharesModulus && anyImage && !isImage(part.domain) &&
+            !all.settings.grey.calibration.empty())
+            all.callbacks.warn(part.name +
+                               ": has the densities of the grey values where it is, as bone has; "
+                               "if it is an implant, set `density` and `modulus` in the part");
+        if (!sharesModulus)
             all.parts.properties.modulus[number] = part.grey.modulus;
         else if (!part.density.empty() && !modulus.empty())
             all.callbacks.warn(fmt::format(
