@@ -172,6 +172,12 @@ TEST_CASE("a part with a density of its own keeps it") {
     recipe.grey.modulus = recipe.parts[0].grey.modulus = "4730,1.56";
     recipe.parts[1].grey.modulus = "110000";
     CHECK(mentions(runPack(recipe).report.warnings, "set `density` in the part"));
+    recipe.parts[1].domain = {};
+    recipe.parts[1].domain.source = folder.file("peg.obj");
+    writeObj(boxMesh({{-3, -3, 0}}, {{3, 3, 20}}), recipe.parts[1].domain.source);
+    recipe.parts[1].grey.modulus.clear();
+    recipe.grey.modulus = recipe.parts[0].grey.modulus = "";
+    CHECK(mentions(runPack(recipe).report.warnings, "if it is an implant"));
 }
 
 TEST_CASE("an interrupt or a damaged image costs columns, not the pack") {
