@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94525},
+    {"lib", 94530},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2545},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 3920},
     {"lib/vdbpack/verify", 2342},
-    {"lib/vdbpack/image", 5703},
+    {"lib/vdbpack/image", 5708},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2835},
     {"lib/vdbpack/domain", 6982},

@@ -305,9 +305,11 @@ void straighten(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
     relax(net, size, links, stiffnessOf(net, links), kRounds);
 }
 
+using LabelPair = std::pair<std::uint16_t, std::uint16_t>;
+
 struct Volumes {
     std::vector<double> voxels, missing;  ///< of labels: theirs, and what surfaces lack of them
-    std::map<std::pair<std::uint16_t, std::uint16_t>, double> areas;  ///< of labels that touch
+    std::map<LabelPair, double> areas;    ///< of labels that touch
 
     bool areRight() const {
         bool right = true;
@@ -352,19 +354,22 @@ Volumes volumesOf(const SurfaceNet& net) {
 /// voxels again. Where parts are as thin as a voxel, that takes more rounds.
 void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
     constexpr int kRounds = 3, kMostRounds = 30, kSweeps = 200;
+    constexpr std::size_t kManyPairs = 50'000;  // of grey values rather than labels
     for (int round = 0; round < kMostRounds; ++round) {
         const Volumes volumes = volumesOf(net);
-        if (round >= kRounds && volumes.areRight()) break;
+        const std::vector<std::pair<LabelPair, double>> areas(volumes.areas.begin(),
+                                                              volumes.areas.end());
+        if (round >= kRounds && (volumes.areRight() || areas.size() > kManyPairs)) break;
         // The least movement that does so is a potential of the labels; that of the background is
         // 0.
         std::vector<double> potential(volumes.missing.size()), flow, weight(potential.size());
-        for (const auto& [pair, area] : volumes.areas) {
+        for (const auto& [pair, area] : areas) {
             weight[pair.first] += area;
             weight[pair.second] += area;
         }
         for (int sweep = 0; sweep < kSweeps; ++sweep) {
             flow = volumes.missing;
-            for (const auto& [pair, area] : volumes.areas) {
+            for (const auto& [pair, area] : areas) {
                 flow[pair.first] += area * potential[pair.second];
                 flow[pair.second] += area * potential[pair.first];
             }
