@@ -61,4 +61,7 @@ read -r none before_none after_none < <(asked without)
 read -r one before_one after_one < <(asked with)
 echo "without a driver: platforms $none, $before_none MB before, $after_none MB after"
 echo "with PoCL: platforms $one, $before_one MB before, $after_one MB after"
-[ "$none" -eq 0 ] && [ $((after_none - before_none)) -lt 3 ] && [ "$one" -eq 1 ] && [ $((after_one - before_one)) -gt 40 ]
+if [ "$none" -ne 0 ] || [ $((after_none - before_none)) -ge 3 ] || [ "$one" -ne 1 ] || [ $((after_one - before_one)) -le 40 ]; then
+    echo "this has changed" >&2
+    exit 1
+fi

@@ -81,7 +81,7 @@ def check_bonds(path, first, ids):
         stiffest = max(stiffest, float(row.get("modulus") or 0))
         hardest = max(hardest, a.material.young, b.material.young)
     if 0 < stiffest < 1e-4 * hardest:
-        raise ValueError(f"{path}: moduli of bonds, {stiffest:g} at most, are in MPa, and those of materials, {hardest:g}, in Pa; "
+        raise ValueError(f"{path}: bonds have moduli up to {stiffest:g}, in MPa, and materials up to {hardest:g}, in Pa; "
                          "write pack and bonds with --out-unit m")
 
 

@@ -126,7 +126,7 @@ private:
     RTCScene scene_;
 };
 
-// Inline: each pixel casts a dozen rays.
+// Inline: a pixel casts several rays.
 
 inline std::array<Hit, kTogether> RayScene::first(Rays rays) const {
     RTCRayHit8& r = rays.rays_;

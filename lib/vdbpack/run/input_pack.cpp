@@ -151,7 +151,7 @@ bool warnOfOutside(const std::vector<double>& depths, const PackAttributes& pack
         for (const std::int32_t part : parts)
             theirs.push_back(names[static_cast<std::size_t>(part)]);
     return warnOfOutside(outside, depths.size(), domain, callbacks,
-                         fmt::format("{}", fmt::join(theirs, ", ")));
+                         fmt::to_string(fmt::join(theirs, ", ")));
 }
 
 bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& domain,
@@ -160,12 +160,12 @@ bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& 
     if (static_cast<double>(outside) <= kMostOutside * static_cast<double>(count)) return false;
     callbacks.warn(
         parts.empty()
-            ? fmt::format("{} of {} spheres have their center outside of {}, which is another "
-                          "body's domain, or that of some of several parts; check `domain`, "
-                          "`label`, `mask`, `space` and units",
+            ? fmt::format("{} of {} spheres have their center outside of {}, which is the domain "
+                          "of another body, or of one of several parts; check `domain`, `label`, "
+                          "`mask`, `space` and units",
                           outside, count, domain)
-            : fmt::format("{} of {} spheres, all of {}, have their center outside of {}, as those "
-                          "of an implant may; else check `domain`, `label` and `mask`",
+            : fmt::format("{} of {} spheres, all of {}, have their center outside of {}, as the "
+                          "spheres of an implant may; else check `domain`, `label` and `mask`",
                           outside, count, parts, domain));
     return true;
 }
