@@ -21,20 +21,20 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94530},
+    {"lib", 94671},
     {"lib/python", 2063},
-    {"lib/vdbpack/core", 2545},
+    {"lib/vdbpack/core", 2548},
     {"lib/vdbpack/io", 2961},
-    {"lib/vdbpack/mesh", 3920},
+    {"lib/vdbpack/mesh", 3939},
     {"lib/vdbpack/verify", 2342},
     {"lib/vdbpack/image", 5708},
     {"lib/vdbpack/field", 5965},
-    {"lib/vdbpack/repair", 2835},
+    {"lib/vdbpack/repair", 2860},
     {"lib/vdbpack/domain", 6982},
     {"lib/vdbpack/pack", 7899},
-    {"lib/vdbpack/densify", 5721},
+    {"lib/vdbpack/densify", 5711},
     {"lib/vdbpack/bonds", 696},
-    {"lib/vdbpack/measure", 5582},
+    {"lib/vdbpack/measure", 5666},
     {"lib/vdbpack/voids", 8077},
     {"lib/vdbpack/formats", 10306},
     {"lib/vdbpack/report", 4040},
@@ -42,9 +42,9 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
-    {"lib/vdbpack/run", 7570},
-    {"tools", 3943},
-    {"tests", 35465},
+    {"lib/vdbpack/run", 7590},
+    {"tools", 4010},
+    {"tests", 35495},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

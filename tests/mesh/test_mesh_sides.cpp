@@ -2,7 +2,10 @@
 #include "support/random_point.h"
 #include "support/test.h"
 
+#include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/mesh/mesh_sides.h"
+
+#include <utility>
 
 TEST_CASE("inside a ball mesh is inside the ball") {
     // Also the vote of three axes, which a clean mesh does not need, and a ball long in z.
@@ -19,6 +22,33 @@ TEST_CASE("inside a ball mesh is inside the ball") {
         const double r = length(ball);
         if (r < 9.9) CHECK(sides.inside(p));
         if (r > 10) CHECK_FALSE(sides.inside(p));
+    }
+}
+
+TEST_CASE("overlaps and inverted shells wind as often as they should") {
+    TriangleMesh mesh = ballMesh(10, 4), other = mapped(mesh, [](Vec<3> v) {
+                                             v[0] += 6;
+                                             return v;
+                                         });
+    append(mesh, other);
+    for (auto& t : other.triangles) std::swap(t[1], t[2]);
+    append(mesh, mapped(other, [](Vec<3> v) {
+               v[0] += 30;
+               return v;
+           }));
+    const MeshSides sides(mesh, true);
+    RandomStream random(5, 6);
+    for (int i = 0; i < 5000; ++i) {
+        Vec<3> p = randomPoint(random, 12);
+        p[0] = 1.8 * p[0] + 10;
+        int winds = 0;
+        bool isNear = false;
+        for (const double center : {0, 6, 36}) {
+            const double r = length(p - Vec<3>{{center, 0, 0}});
+            isNear = isNear || (r > 9.9 && r < 10.1);
+            if (r < 10) winds += center > 6 ? -1 : 1;
+        }
+        if (!isNear) CHECK(sides.winding(p) == winds);
     }
 }
 

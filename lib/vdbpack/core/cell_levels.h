@@ -42,9 +42,10 @@ public:
 
     /// Calls `visit(indexA, sphereA, indexB, sphereB, squaredDistance)` once for each pair closer
     /// than radiusA + radiusB + slack * min(radiusA, radiusB); from many threads at once.
-    /// `stopped()` is called about once per sphere and ends the search when true.
-    template <typename Visit, typename Stopped>
-    void forEachPair(const Visit& visit, const Stopped& stopped) const;
+    /// @param visitor  called by each thread for each part of the search, returns `visit`.
+    /// @param stopped  called about once per sphere; ends the search when true.
+    template <typename Visitor, typename Stopped>
+    void forEachPair(const Visitor& visitor, const Stopped& stopped) const;
 
     /// Calls `visit(index, sphere)` for (at least) each sphere whose surface is closer to `x` than
     /// `reach`, until it returns false. @return whether all calls returned true.
@@ -117,10 +118,10 @@ private:
     /// Calls `visit(range)` for the rows of cells that meet `box`, until it returns false.
     template <typename Visit>
     static bool forEachRow(const Level& level, const Box<Dim>& box, const Visit& visit);
-    template <typename Visit, typename Stopped>
-    void pairsWithin(const Level& level, const Visit& visit, const Stopped& stopped) const;
-    template <typename Visit, typename Stopped>
-    void pairsAcross(const Level& coarse, const Level& fine, const Visit& visit,
+    template <typename Visitor, typename Stopped>
+    void pairsWithin(const Level& level, const Visitor& visitor, const Stopped& stopped) const;
+    template <typename Visitor, typename Stopped>
+    void pairsAcross(const Level& coarse, const Level& fine, const Visitor& visitor,
                      const Stopped& stopped) const;
 
     template <typename Visit>
@@ -179,13 +180,14 @@ bool CellLevels<Dim>::forEachNear(const Vec<Dim>& x, double reach, const Visit& 
 }
 
 template <int Dim>
-template <typename Visit, typename Stopped>
-void CellLevels<Dim>::pairsWithin(const Level& level, const Visit& visit,
+template <typename Visitor, typename Stopped>
+void CellLevels<Dim>::pairsWithin(const Level& level, const Visitor& visitor,
                                   const Stopped& stopped) const {
     const auto nx = static_cast<std::uint64_t>(level.axis(0).count);
     const auto ny = static_cast<std::uint64_t>(level.axis(1).count);
     const auto nz = Dim > 2 ? static_cast<std::uint64_t>(level.axes.back().count) : 1;
     const auto cells = [&](const IndexRange& block) {
+        const auto visit = visitor();
         for (std::size_t slot = block.begin(); slot < block.end(); ++slot) {
             const std::uint32_t a0 = level.start[slot], a1 = level.start[slot + 1];
             if (a0 == a1) continue;
@@ -217,8 +219,8 @@ void CellLevels<Dim>::pairsWithin(const Level& level, const Visit& visit,
 }
 
 template <int Dim>
-template <typename Visit, typename Stopped>
-void CellLevels<Dim>::pairsAcross(const Level& coarse, const Level& fine, const Visit& visit,
+template <typename Visitor, typename Stopped>
+void CellLevels<Dim>::pairsAcross(const Level& coarse, const Level& fine, const Visitor& visitor,
                                   const Stopped& stopped) const {
     // From each sphere of one level through the cells of the other: from the coarse ones where
     // they are few, but a coarse sphere among far smaller cells meets too many of them.
@@ -230,6 +232,7 @@ void CellLevels<Dim>::pairsAcross(const Level& coarse, const Level& fine, const 
     const Level& from = fromCoarse ? coarse : fine;
     const Level& through = fromCoarse ? fine : coarse;
     const auto spheres = [&](const IndexRange& block) {
+        const auto visit = visitor();
         for (std::size_t k = block.begin(); k < block.end(); ++k) {
             const auto i = static_cast<std::uint32_t>(k);
             const Sphere<Dim>& s = from.spheres[i];
@@ -248,12 +251,12 @@ void CellLevels<Dim>::pairsAcross(const Level& coarse, const Level& fine, const 
 }
 
 template <int Dim>
-template <typename Visit, typename Stopped>
-void CellLevels<Dim>::forEachPair(const Visit& visit, const Stopped& stopped) const {
+template <typename Visitor, typename Stopped>
+void CellLevels<Dim>::forEachPair(const Visitor& visitor, const Stopped& stopped) const {
     for (std::size_t k = 0; k < levels_.size(); ++k) {
-        pairsWithin(levels_[k], visit, stopped);
+        pairsWithin(levels_[k], visitor, stopped);
         for (std::size_t l = k + 1; l < levels_.size(); ++l)
-            pairsAcross(levels_[k], levels_[l], visit, stopped);
+            pairsAcross(levels_[k], levels_[l], visitor, stopped);
     }
 }
 

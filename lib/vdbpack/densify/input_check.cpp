@@ -24,11 +24,13 @@ bool isAnyOverlap(const std::vector<Sphere<Dim>>& given, const PeriodicCell<Dim>
     std::atomic<bool> found{false};
     const CellLevels<Dim> cells(spheres);
     cells.forEachPair(
-        [&](std::uint32_t, const Sphere<Dim>& a, std::uint32_t, const Sphere<Dim>& b,
-            double square) {
-            const double overlap =
-                (a.radius + b.radius - std::sqrt(square)) / std::min(a.radius, b.radius);
-            if (overlap > kAcceptedOverlap) found = true;
+        [&] {
+            return [&](std::uint32_t, const Sphere<Dim>& a, std::uint32_t, const Sphere<Dim>& b,
+                       double square) {
+                const double overlap =
+                    (a.radius + b.radius - std::sqrt(square)) / std::min(a.radius, b.radius);
+                if (overlap > kAcceptedOverlap) found = true;
+            };
         },
         [&] { return found.load(std::memory_order_relaxed); });
     return found;

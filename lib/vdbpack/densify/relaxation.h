@@ -215,9 +215,6 @@ private:
     /// One step of all runs, into `before`. @return the worst overlap.
     float stepAll(const RelaxationStep& step);
     void stepRuns(const RelaxationStep& step);
-    /// Reads what the step of a run needs, one after the other: memory is slow in the order in
-    /// which the run goes through its slots.
-    void touch(const Run& run, bool exchanges) const;
     /// What is to be known of all runs before a step.
     Extremes stateOfAll(const Callbacks& callbacks) const;
     /// Takes up the positions of the last step.
@@ -301,9 +298,9 @@ private:
     // relaxation_step.cpp
     template <bool kPull, bool kGraded>
     void stepRun(Run& run, const RelaxationStep& step);
-    /// Takes the overlaps of eight slots with the planes near them.
-    void addPlanes(const Run& run, const std::uint32_t* slots, const RelaxationStep& step,
-                   eight::Push& push) const;
+    /// The overlaps of eight slots with the planes near them.
+    eight::Push pushOfPlanes(const Run& run, const std::uint32_t* slots,
+                             const RelaxationStep& step) const;
 
     // relaxation_device.cpp
     /// A step of all runs, by the device where it is its turn.

@@ -1,5 +1,5 @@
 // How overlaps become forces, and forces motion, in what C++ and OpenCL C have in common: the
-// processor takes it for eight spheres at a time and for one, a device for one.
+// processor takes it for eight spheres at a time, a device for one.
 //
 // Who includes this defines INLINE, Real (a number, or eight), Mask (of what is compared) and Count,
 // EVERY(number) and larger, smaller, inverse, inverseRoot, choose and counted.

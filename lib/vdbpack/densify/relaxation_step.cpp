@@ -5,7 +5,9 @@
 #include "vdbpack/densify/relaxation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 namespace vdbpack {
@@ -14,9 +16,6 @@ namespace {
 
 VDBPACK_INLINE Int8 counted(Int8 count, Int8 mask) {
     return count - mask;
-}
-VDBPACK_INLINE int counted(int count, bool mask) {
-    return count + mask;
 }
 
 /// Without fractions, so that the slowest motions end.
@@ -27,14 +26,6 @@ VDBPACK_INLINE Word8 whole(Float8 v) {
 }  // namespace
 
 #define INLINE VDBPACK_INLINE
-namespace one {
-using Real = float;
-using Mask = bool;
-using Count = int;
-#define EVERY(v) (v)
-#include "vdbpack/densify/relaxation_law.cl"
-#undef EVERY
-}  // namespace one
 namespace eight {
 using Real = Float8;
 using Mask = Int8;
@@ -46,46 +37,48 @@ using Count = Int8;
 #undef INLINE
 
 template <int Dim>
-void Relaxation<Dim>::addPlanes(const Run& run, const std::uint32_t* slots,
-                                const RelaxationStep& step, eight::Push& push) const {
-    const one::Law wall = one::lawOf(step.wallPull, step.wallRange), edge = one::lawOf(0, 1);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const Body& body = now_.bodies[slots[lane]];
-        const std::uint32_t k = slots[lane] - run.first;
-        one::Push sum{};
-        const auto add = [&](const std::vector<WallPlane>& planes,
-                             const std::vector<std::uint32_t>& ends, const one::Law& law,
-                             bool isWall) {
-            for (std::uint32_t p = k > 0 ? ends[k - 1] : 0; p < ends[k]; ++p) {
-                const WallPlane& plane = planes[p];
-                const float away = plane.distance(body), reach = body.radius * (1 + delta_);
-                if (plane.overlap(away, reach) > law.least)  // else it adds nothing
-                    one::addPlane(&sum, plane.nx, plane.ny, plane.nz, away, reach, law, isWall);
+eight::Push Relaxation<Dim>::pushOfPlanes(const Run& run, const std::uint32_t* slots,
+                                          const RelaxationStep& step) const {
+    constexpr float kFar = 1e15f;  // from where there is no plane
+    eight::Push push{};
+    const Bodies8 own = gather(now_.bodies.data(), slots);
+    const auto add = [&](const std::vector<WallPlane>& planes,
+                         const std::vector<std::uint32_t>& ends, const eight::Law& law,
+                         bool isWall) {
+        std::uint32_t first[kLanes], count[kLanes], most = 0;
+        for (std::size_t l = 0; l < kLanes; ++l) {
+            const std::uint32_t k = slots[l] - run.first;
+            first[l] = k > 0 ? ends[k - 1] : 0;
+            count[l] = ends[k] - first[l];
+            most = std::max(most, count[l]);
+        }
+        for (std::uint32_t p = 0; p < most; ++p) {
+            WallPlane of[kLanes];
+            Int8 has{};
+            for (std::size_t l = 0; l < kLanes; ++l) {
+                if (p >= count[l]) continue;
+                of[l] = planes[first[l] + p];
+                has[l] = -1;
             }
-        };
-        add(run.planes, run.planeEnds, wall, true);
-        if (!run.edgeEnds.empty()) add(run.edges, run.edgeEnds, edge, false);
-        push.x[lane] = sum.x;
-        push.y[lane] = sum.y;
-        push.z[lane] = sum.z;
-        push.squeeze[lane] = sum.squeeze;
-        push.worst[lane] = sum.worst;
-        push.contacts[lane] = sum.contacts;
-    }
-}
-
-template <int Dim>
-void Relaxation<Dim>::touch(const Run& run, bool exchanges) const {
-    const auto read = [](const auto* from, std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; i += std::max<std::size_t>(1, 64 / sizeof *from))
-            asm volatile("" ::"r"(*reinterpret_cast<const std::uint32_t*>(from + i)));
+            const auto all = [&of](auto member) {
+                using Value = std::decay_t<decltype(of[0].*member)>;
+                std::array<Value, kLanes> values;
+                for (std::size_t l = 0; l < kLanes; ++l) values[l] = of[l].*member;
+                return bitsAs<std::conditional_t<std::is_same_v<Value, float>, Float8, Word8>>(
+                    values);
+            };
+            const Float8 nx = all(&WallPlane::nx), ny = all(&WallPlane::ny),
+                         nz = all(&WallPlane::nz);
+            const Float8 away = nx * difference(own.x, all(&WallPlane::x)) +
+                                ny * difference(own.y, all(&WallPlane::y)) +
+                                nz * difference(own.z, all(&WallPlane::z));
+            eight::addPlane(&push, nx, ny, nz, choose(has, away, kFar), own.radius * (1 + delta_),
+                            law, isWall);
+        }
     };
-    read(run.ids.data(), 0, run.ids.size());
-    read(now_.before.data(), run.first, run.last);
-    read(now_.listed.data(), run.first, run.last);
-    if (!exchanges) return;
-    read(now_.labels.data(), run.first, run.last);
-    read(now_.vicinities.data(), run.first, run.last);
+    add(run.planes, run.planeEnds, eight::lawOf(step.wallPull, step.wallRange), true);
+    if (!run.edgeEnds.empty()) add(run.edges, run.edgeEnds, eight::lawOf(0, 1), false);
+    return push;
 }
 
 template <int Dim>
@@ -96,7 +89,6 @@ void Relaxation<Dim>::stepRun(Run& run, const RelaxationStep& step) {
     const float grow = 1 + delta_;
     const std::uint32_t* ids = run.ids.data();
     run.exchanged.clear();
-    touch(run, step.exchanges);
     std::vector<Squeezed> squeezed(step.exchanges ? run.last - run.first : 0);
     Float8 worst = {}, fastest = {};
     Int8 expired = {};
@@ -104,8 +96,7 @@ void Relaxation<Dim>::stepRun(Run& run, const RelaxationStep& step) {
         const std::uint32_t* slots = run.members.data() + m;
         const std::uint32_t* end = run.ids.data() + run.ends[m / kLanes];
         const Bodies8 own = gather(bodies, slots);
-        eight::Push push{};
-        if (m < run.wallMembers) addPlanes(run, slots, step, push);
+        eight::Push push = m < run.wallMembers ? pushOfPlanes(run, slots, step) : eight::Push{};
         for (; ids != end; ids += kLanes) {
             const Bodies8 other = gather(bodies, ids);
             eight::addSphere(&push, difference(other.x, own.x), difference(other.y, own.y),

@@ -4,6 +4,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/sampling.h"
+#include "vdbpack/measure/contact_directions.h"
 #include "vdbpack/measure/stiffness.h"
 
 #include <fmt/format.h>
@@ -52,21 +53,10 @@ private:
     std::vector<std::atomic<std::uint32_t>> parent_;
 };
 
-/// A sum of numbers from -1 to 1 that does not depend on their order.
-constexpr double kFixed = 0x1p31;
 /// Radii below the wall from which on contacts tell of the stiffness, and how many do at least: of
 /// as many in random directions, the modulus ratio is about 1.3 by chance.
 constexpr double kDeepRadii = 3;
 constexpr std::uint64_t kFewestDeep = 1000;
-
-/// Adds the products of the components p <= q of a vector, by rows, `times` times.
-template <int Size, class Sums>
-void addProducts(const Vec<Size>& v, double scale, std::uint64_t times, Sums& sums) {
-    std::size_t k = 0;
-    for (int p = 0; p < Size; ++p)
-        for (int q = p; q < Size; ++q)
-            sums[k++] += times * static_cast<std::uint64_t>(std::llrint(v[p] * v[q] * scale));
-}
 
 /// The symmetric matrix of such sums.
 template <int Size, class Sums>
@@ -108,12 +98,14 @@ std::optional<double> leastGap(const std::vector<Sphere<Dim>>& spheres, std::siz
         PerThread<double> found([] { return kInfinity; });
         const CellLevels<Dim> cells(spheres, slack);
         cells.forEachPair(
-            [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
-                double d2) {
-                if (source) i = (*source)[i], j = (*source)[j];
-                if (i < standing && j < standing) return;
-                double& mine = found.local();
-                mine = std::min(mine, std::sqrt(d2) - a.radius - b.radius);
+            [&] {
+                return
+                    [&, mine = &found.local()](std::uint32_t i, const Sphere<Dim>& a,
+                                               std::uint32_t j, const Sphere<Dim>& b, double d2) {
+                        if (source) i = (*source)[i], j = (*source)[j];
+                        if (i < standing && j < standing) return;
+                        *mine = std::min(*mine, std::sqrt(d2) - a.radius - b.radius);
+                    };
             },
             [] { return false; });
         double gap = kInfinity;
@@ -143,43 +135,55 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
     PartContacts result;
     // The largest part of the memory is taken before the rest, and given back before the results.
     std::optional<CellLevels<Dim>> cells(std::in_place, spheres, tolerance);
-    std::vector<std::atomic<std::int32_t>> counts(spheres.size());
-    PerThread<ContactSums> found;
+    std::vector<std::atomic<std::int32_t>> partners(spheres.size());
+    struct Found {
+        ContactSums sums;
+        Directions<Dim> directions;
+    };
+    PerThread<Found> found;
     const auto isDeep = [&](std::uint32_t i) {
         return i < own &&
                (depth.empty() || static_cast<double>(depth[i]) > kDeepRadii * spheres[i].radius);
     };
     Components components(spheres.size());
+    /// Whether a pair counts in the sums of these spheres.
+    const auto counts = [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j,
+                            const Sphere<Dim>& b) {
+        if (std::max(i, j) < own) return true;
+        if (source) return std::min(i, j) < own && std::min(i, j) <= (*source)[std::max(i, j)];
+        return (isBefore(a, b) ? i : j) < own;
+    };
     cells->forEachPair(
-        [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
-            double d2) {
-            counts[i].fetch_add(1, std::memory_order_relaxed);
-            counts[j].fetch_add(1, std::memory_order_relaxed);
-            ContactSums& mine = found.local();
-            const Vec<Dim> to = b.center - a.center;
-            const std::uint64_t deep = std::uint64_t{isDeep(i)} + isDeep(j);
-            if (deep > 0 && d2 > 0) {
-                mine.deepContacts += deep;
-                addProducts(mandelDyad(to), kFixed / (d2 * d2), deep, mine.stiffness);
-            }
-            if (source) {
-                if (std::min(i, j) >= own) return;
-                components.join((*source)[i], (*source)[j]);
-                if (std::max(i, j) >= own && std::min(i, j) > (*source)[std::max(i, j)]) return;
-            } else {
-                components.join(i, j);
-                if (std::max(i, j) >= own && (isBefore(a, b) ? i : j) >= own) return;
-            }
-            mine.smallestGap = std::min(mine.smallestGap, std::sqrt(d2) - a.radius - b.radius);
-            if (d2 > 0) addProducts(to, kFixed / d2, 1, mine.fabric);
+        [&] {
+            return [&, mine = &found.local()](std::uint32_t i, const Sphere<Dim>& a,
+                                              std::uint32_t j, const Sphere<Dim>& b, double d2) {
+                partners[i].fetch_add(1, std::memory_order_relaxed);
+                partners[j].fetch_add(1, std::memory_order_relaxed);
+                if (!source)
+                    components.join(i, j);
+                else if (std::min(i, j) < own)
+                    components.join((*source)[i], (*source)[j]);
+                const bool once = counts(i, a, j, b);
+                ContactSums& sums = mine->sums;
+                if (once)
+                    sums.smallestGap =
+                        std::min(sums.smallestGap, std::sqrt(d2) - a.radius - b.radius);
+                const int deep = int{isDeep(i)} + int{isDeep(j)};
+                if (!(d2 > 0) || !(once || deep > 0)) return;
+                sums.deepContacts += static_cast<std::uint64_t>(deep);
+                mine->directions.add(b.center - a.center, d2, once, deep, sums);
+            };
         },
         [] { return false; });
     cells.reset();
-    for (const ContactSums& sums : found) result.sums.add(sums);
+    for (Found& each : found) {
+        each.directions.addTo(each.sums);
+        result.sums.add(each.sums);
+    }
     result.partners.resize(own);
     result.component.resize(spheres.size());
     forAll(spheres.size(), [&](std::size_t i) {
-        if (i < own) result.partners[i] = counts[i].load(std::memory_order_relaxed);
+        if (i < own) result.partners[i] = partners[i].load(std::memory_order_relaxed);
         result.component[i] = components.find(static_cast<std::uint32_t>(i));
     });
     return result;
@@ -203,14 +207,15 @@ std::array<std::uint64_t, 3> partnersOfPart(const std::vector<Sphere<Dim>>& sphe
     PerThread<std::array<std::uint64_t, 3>> found;
     const CellLevels<Dim> cells(spheres, tolerances.back());
     cells.forEachPair(
-        [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
-            double d2) {
-            auto& mine = found.local();
-            for (std::size_t k = 0; k < tolerances.size(); ++k) {
-                const double reach =
-                    a.radius + b.radius + tolerances[k] * std::min(a.radius, b.radius);
-                if (d2 < reach * reach) mine[k] += std::uint64_t{i < own} + (j < own);
-            }
+        [&] {
+            return [&, mine = &found.local()](std::uint32_t i, const Sphere<Dim>& a,
+                                              std::uint32_t j, const Sphere<Dim>& b, double d2) {
+                for (std::size_t k = 0; k < tolerances.size(); ++k) {
+                    const double reach =
+                        a.radius + b.radius + tolerances[k] * std::min(a.radius, b.radius);
+                    if (d2 < reach * reach) (*mine)[k] += std::uint64_t{i < own} + (j < own);
+                }
+            };
         },
         [] { return false; });
     std::array<std::uint64_t, 3> partners{};
@@ -326,15 +331,17 @@ std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& given, double 
     PerThread<std::vector<Contact>> found;
     const CellLevels<Dim> cells(spheres, tolerance);
     cells.forEachPair(
-        [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
-            double d2) {
-            std::uint32_t first = std::min(i, j), second = std::max(i, j);
-            if (second >= given.size()) {  // an image: the pair is found from both sides
-                if (first >= given.size() || first > repeated.source[second]) return;
-                second = repeated.source[second];
-            }
-            // The radii are added first, so that the gap is the same for (i, j) and (j, i).
-            found.local().push_back({first, second, std::sqrt(d2) - (a.radius + b.radius)});
+        [&] {
+            return [&, mine = &found.local()](std::uint32_t i, const Sphere<Dim>& a,
+                                              std::uint32_t j, const Sphere<Dim>& b, double d2) {
+                std::uint32_t first = std::min(i, j), second = std::max(i, j);
+                if (second >= given.size()) {  // an image: the pair is found from both sides
+                    if (first >= given.size() || first > repeated.source[second]) return;
+                    second = repeated.source[second];
+                }
+                // The radii are added first, so that the gap is the same for (i, j) and (j, i).
+                mine->push_back({first, second, std::sqrt(d2) - (a.radius + b.radius)});
+            };
         },
         [] { return false; });
     std::size_t total = 0;

@@ -101,23 +101,27 @@ int MeshSides::Columns::index(double x, int axis) const {
                                        static_cast<double>(count[axis] - 1)));
 }
 
-void MeshSides::Columns::cross(const Vec<3>& x, int& above, int& below) const {
-    above = below = 0;
-    if (!bounds.contains(x)) return;
+MeshSides::Columns::Crossings MeshSides::Columns::cross(const Vec<3>& x) const {
+    Crossings found;
+    if (!bounds.contains(x)) return found;
     const auto crossOne = [&](std::uint32_t triangle) {
         const auto& t = shared->triangles[triangle];
-        if (!coversLine(*shared, t, x)) return;
+        const int turns = turnsAround(*shared, t, x);
+        if (turns == 0) return;
         // On the wall itself either answer will do.
-        ++(heightOver(*shared, t, x) == Height::above ? above : below);
+        const bool isAbove = heightOver(*shared, t, x) == Height::above;
+        ++(isAbove ? found.above : found.below);
+        if (isAbove) found.turns += turns;
     };
     if (!tree.empty()) {
         tree.visitAlongZ(x, crossOne);
-        return;
+        return found;
     }
     const std::size_t cell =
         static_cast<std::size_t>(index(x[1], 1)) * static_cast<std::size_t>(count[0]) +
         static_cast<std::size_t>(index(x[0], 0));
     for (std::uint32_t k = start[cell]; k < start[cell + 1]; ++k) crossOne(triangles[k]);
+    return found;
 }
 
 /// Cyclic exchange that brings `axis` to z.
@@ -144,17 +148,17 @@ MeshSides::MeshSides(const SharedMesh& mesh, bool clean) {
 }
 
 bool MeshSides::inside(const Vec<3>& x) const {
-    int above = 0, below = 0;
-    if (axes_.size() == 1) {
-        axes_.front().cross(turned(x, first_), above, below);
-        return above % 2 == 1;
-    }
+    if (axes_.size() == 1) return axes_.front().cross(turned(x, first_)).above % 2 == 1;
     int votes = 0;
     for (std::size_t a = 0; a < axes_.size(); ++a) {
-        axes_[a].cross(turned(x, (first_ + a) % 3), above, below);
-        votes += above % 2 + below % 2;
+        const auto found = axes_[a].cross(turned(x, (first_ + a) % 3));
+        votes += found.above % 2 + found.below % 2;
     }
     return votes > 3;
+}
+
+int MeshSides::winding(const Vec<3>& x) const {
+    return axes_.front().cross(turned(x, first_)).turns;
 }
 
 }  // namespace vdbpack

@@ -28,6 +28,9 @@ public:
         : MeshSides(std::make_shared<const TriangleMesh>(mesh), clean) {}
 
     bool inside(const Vec<3>& x) const;
+    /// How often the surface winds around a point, if as many triangles pass each edge in one
+    /// direction as in the other: 1 inside a surface that faces outward, 2 where two such overlap.
+    int winding(const Vec<3>& x) const;
 
 private:
     /// Triangles by the cells of a plane that their shadows meet.
@@ -52,8 +55,11 @@ private:
         };
         Range rangeOf(std::size_t triangle) const;
         int index(double x, int axis) const;
-        /// Crossings above and below `x`.
-        void cross(const Vec<3>& x, int& above, int& below) const;
+        struct Crossings {
+            int above = 0, below = 0;
+            int turns = 0;  ///< of those above: outward less inward
+        };
+        Crossings cross(const Vec<3>& x) const;
     };
     static Vec<3> turned(const Vec<3>& v, std::size_t axis);
 

@@ -28,14 +28,23 @@ inline bool crossesEdge(const TriangleMesh& mesh, std::uint32_t ia, std::uint32_
     return b[1] > a[1] ? side > 0 : side < 0;
 }
 
+/// How often a triangle, seen along z, winds around `p`: 1 or -1 if the line along z through `p`
+/// passes through it, by the sign of its normal's z; else 0.
+inline int turnsAround(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t,
+                       const Vec<3>& p) {
+    int turns = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t from = t[k], to = t[(k + 1) % 3];
+        if (crossesEdge(mesh, from, to, p[0], p[1]))
+            turns += mesh.vertices[to][1] > mesh.vertices[from][1] ? 1 : -1;
+    }
+    return turns;
+}
+
 /// True if the line along z through `p` passes through a triangle.
 inline bool coversLine(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t,
                        const Vec<3>& p) {
-    return (static_cast<int>(crossesEdge(mesh, t[0], t[1], p[0], p[1])) +
-            static_cast<int>(crossesEdge(mesh, t[1], t[2], p[0], p[1])) +
-            static_cast<int>(crossesEdge(mesh, t[2], t[0], p[0], p[1]))) %
-               2 ==
-           1;
+    return turnsAround(mesh, t, p) != 0;
 }
 
 enum class Height { below, above, unclear };

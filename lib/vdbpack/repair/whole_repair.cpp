@@ -3,6 +3,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/mesh/mesh_sides.h"
 #include "vdbpack/repair/facing.h"
 #include "vdbpack/repair/hole_filling.h"
 #include "vdbpack/repair/resurface.h"
@@ -34,6 +35,40 @@ constexpr double kLeastComponent = 10;
 /// Volumes of components that are flat up to rounding, compared with the cube of the extent.
 constexpr double kFlatVolume = 1e-15;
 
+/// Whether as many triangles pass each edge in one direction as in the other.
+bool isBalanced(const TriangleMesh& mesh) {
+    bool balanced = true;
+    const EdgeTable edges(mesh);
+    edges.forEach(
+        [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
+            balanced = balanced && edges.surplus(first, last) == 0;
+        });
+    return balanced;
+}
+
+/// Winding numbers of a mesh: of a balanced one, whole numbers counted along lines, which takes a
+/// fraction of the time of generalized ones.
+class Windings {
+public:
+    explicit Windings(const TriangleMesh& mesh) {
+        if (isBalanced(mesh))
+            counted_.emplace(mesh, true);
+        else
+            general_.emplace(mesh);
+    }
+    double operator()(const Vec<3>& x) const {
+        return counted_ ? counted_->winding(x) : (*general_)(x);
+    }
+    const WindingNumber& general(const TriangleMesh& mesh) {
+        if (!general_) general_.emplace(mesh);
+        return *general_;
+    }
+
+private:
+    std::optional<MeshSides> counted_;
+    std::optional<WindingNumber> general_;
+};
+
 /// Which triangles of a mesh are buried: both their sides are inside, or both outside.
 struct Buried {
     std::vector<char> is;
@@ -43,8 +78,8 @@ struct Buried {
 
 /// Computes winding numbers on both sides of each triangle of `filled`. `open` has only the first
 /// `own` triangles; null: it has all.
-Buried findBuried(const TriangleMesh& filled, std::size_t own, const WindingNumber& winding,
-                  const WindingNumber* open) {
+Buried findBuried(const TriangleMesh& filled, std::size_t own, const Windings& winding,
+                  const Windings* open) {
     const std::size_t n = filled.triangles.size();
     Buried buried;
     buried.is.resize(n, 0);
@@ -84,16 +119,6 @@ Buried findBuried(const TriangleMesh& filled, std::size_t own, const WindingNumb
         if (sums[i].agrees) buried.agreeing += sums[i].area;
     }
     return buried;
-}
-
-bool isBalanced(const TriangleMesh& mesh) {
-    bool balanced = true;
-    const EdgeTable edges(mesh);
-    edges.forEach(
-        [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
-            balanced = balanced && edges.surplus(first, last) == 0;
-        });
-    return balanced;
 }
 
 /// Removes vertices that no triangle uses.
@@ -136,7 +161,7 @@ std::optional<TriangleMesh> wallsOf(const TriangleMesh& filled, const Buried& bu
 
 /// Measures the ambiguous, overlapping and inverted volumes by winding numbers on a lattice.
 /// @return share of its points that are inside.
-double measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, double points,
+double measureDoubt(const TriangleMesh& mesh, const Windings& winding, double points,
                     RepairReport& report) {
     const Box<3> box = mesh.bounds();
     const Vec<3> size = box.size();
@@ -250,7 +275,7 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
     TriangleMesh turned = withoutDuplicates(mesh);
     report.duplicates = given - turned.triangles.size();
     report.turned = turnOutward(turned, options.nested);
-    const WindingNumber winding(turned);
+    Windings winding(turned);
     callbacks.stopIfCancelled();
     // Loose triangles are refused before they are remeshed.
     const double inside = measureDoubt(turned, winding, options.volumePoints, report);
@@ -264,7 +289,7 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
     const HoleFilling holes = fillHoles(filled);
     const bool wasOpen = filled.triangles.size() > turned.triangles.size();
     const Buried buried =
-        wasOpen ? findBuried(filled, turned.triangles.size(), WindingNumber(filled), &winding)
+        wasOpen ? findBuried(filled, turned.triangles.size(), Windings(filled), &winding)
                 : findBuried(filled, turned.triangles.size(), winding, nullptr);
     // Triangles that cross others are walls on one side alone.
     if (report.before.intersections == 0 && holes.left == 0 &&
@@ -289,7 +314,7 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
         const double voxelSize = options.voxelSize > 0
                                      ? options.voxelSize
                                      : std::max(repairVoxelSize(turned), options.leastVoxelSize);
-        result.mesh = remesh(turned, winding, voxelSize, report, callbacks);
+        result.mesh = remesh(turned, winding.general(turned), voxelSize, report, callbacks);
     }
     result.oriented = std::move(turned);
     report.volume = analyzeShells(result.mesh).enclosedVolume();

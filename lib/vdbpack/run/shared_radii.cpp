@@ -7,6 +7,16 @@
 
 namespace vdbpack {
 
+namespace {
+
+/// Solid fraction far from walls, about; and how thick the layer along a wall would be, in mean
+/// radii, if all that spheres fill less of a part lay empty in it. Box of 80 mean radii: 0.253.
+constexpr double kFarFromWalls = 0.6, kEmptyLayer = 0.25;
+/// Least share of a thin part that counts as filled.
+constexpr double kLeastShare = 0.3;
+
+}  // namespace
+
 SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts.size()) {
     const double target = recipe.targetCount > 0  ? recipe.targetCount
                           : recipe.radius.empty() ? kDefaultCount
@@ -14,6 +24,7 @@ SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts
     for (const Part& part : parts) shells_.push_back(part.recipe.shellRadius);
     if (!(target > 0)) return;
     double volume = 0, largest = 0;
+    std::vector<DomainSource::Left> left(parts.size());
     for (std::size_t k = 0; k < parts.size(); ++k) {
         PackRecipe& part = parts[k].recipe;
         const bool sameCount = part.targetCount == recipe.targetCount;
@@ -22,17 +33,26 @@ SharedRadii::SharedRadii(const PackRecipe& recipe, Parts& parts) : shared_(parts
         // Radii of a part's own stay as they are: the count is for the others.
         if (!shared_[k] && sameCount && !part.radius.empty()) part.targetCount = 0;
         if (!shared_[k]) continue;
-        const double own = parts[k].source->left().volume;
-        volume += own;
-        if (own <= largest) continue;
-        largest = own;
+        left[k] = parts[k].source->left();
+        volume += left[k].volume;
+        if (left[k].volume <= largest) continue;
+        largest = left[k].volume;
         first_ = k;
     }
     if (!(largest > 0)) return;
     target_ = target;
     PackRecipe& first = parts[first_].recipe;
-    first.targetCount = std::max(1.0, std::round(target * largest / volume));
-    asked_ = requestedSizes(first, 3).sizes.mean();
+    const SizeDistribution sizes = requestedSizes(first, 3).sizes;
+    asked_ = sizes.mean();
+    const double radius = asked_ * std::cbrt(kFarFromWalls * volume / (target * sizes.meanBall(3)));
+    double all = 0, leading = 0;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        const double filled = std::max(left[k].volume - kEmptyLayer * radius * left[k].area,
+                                       kLeastShare * left[k].volume);
+        all += filled;
+        if (k == first_) leading = filled;
+    }
+    first.targetCount = std::max(1.0, std::round(target * leading / all));
 }
 
 void SharedRadii::warnOfUnused(const PackRecipe& recipe, const Callbacks& callbacks) const {
