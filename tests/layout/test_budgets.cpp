@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94671},
+    {"lib", 94673},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2548},
     {"lib/vdbpack/io", 2961},
@@ -34,7 +34,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/pack", 7899},
     {"lib/vdbpack/densify", 5711},
     {"lib/vdbpack/bonds", 696},
-    {"lib/vdbpack/measure", 5666},
+    {"lib/vdbpack/measure", 5668},
     {"lib/vdbpack/voids", 8077},
     {"lib/vdbpack/formats", 10306},
     {"lib/vdbpack/report", 4040},

@@ -84,6 +84,15 @@ void addAnisotropy(const ContactSums& sums, ContactNetwork& network) {
     network.stiffest = modulus->direction;
 }
 
+/// Whether a pair counts in the sums of the first `own` spheres. @param source  as of `leastGap`
+template <int Dim>
+bool isOwnPair(std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
+               std::size_t own, const std::vector<std::uint32_t>* source) {
+    if (std::max(i, j) < own) return true;
+    if (source) return std::min(i, j) < own && std::min(i, j) <= (*source)[std::max(i, j)];
+    return (isBefore(a, b) ? i : j) < own;
+}
+
 /// @param source  of each sphere as in `SpheresWithImages`; null: there are no images.
 template <int Dim>
 std::optional<double> leastGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing,
@@ -146,13 +155,6 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
                (depth.empty() || static_cast<double>(depth[i]) > kDeepRadii * spheres[i].radius);
     };
     Components components(spheres.size());
-    /// Whether a pair counts in the sums of these spheres.
-    const auto counts = [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j,
-                            const Sphere<Dim>& b) {
-        if (std::max(i, j) < own) return true;
-        if (source) return std::min(i, j) < own && std::min(i, j) <= (*source)[std::max(i, j)];
-        return (isBefore(a, b) ? i : j) < own;
-    };
     cells->forEachPair(
         [&] {
             return [&, mine = &found.local()](std::uint32_t i, const Sphere<Dim>& a,
@@ -163,7 +165,7 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
                     components.join(i, j);
                 else if (std::min(i, j) < own)
                     components.join((*source)[i], (*source)[j]);
-                const bool once = counts(i, a, j, b);
+                const bool once = isOwnPair(i, a, j, b, own, source);
                 ContactSums& sums = mine->sums;
                 if (once)
                     sums.smallestGap =
