@@ -43,7 +43,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3598},
     {"lib/vdbpack/run", 7590},
-    {"tools", 4010},
+    {"tools", 3943},
     {"tests", 35495},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
