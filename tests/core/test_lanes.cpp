@@ -21,6 +21,7 @@ TEST_CASE("eight numbers at a time give what one at a time gives") {
         CHECK(smaller(va, vb)[l] == smaller(a[l], b[l]));
         CHECK(withSign(va, vb)[l] == withSign(a[l], b[l]));
         CHECK(absolute(va)[l] == std::fabs(a[l]));
+        CHECK(roundedUp(va)[l] == static_cast<int>(std::ceil(a[l])));
         CHECK(squareRoot(absolute(va))[l] == squareRoot(std::fabs(a[l])));
         CHECK(choose(less, va, vb)[l] == choose(a[l] < b[l], a[l], b[l]));
         CHECK(where8(less, va)[l] == (a[l] < b[l] ? a[l] : 0.0f));
@@ -32,6 +33,8 @@ TEST_CASE("eight numbers at a time give what one at a time gives") {
     CHECK(largest(va) == *std::max_element(a.begin(), a.end()));
     std::array<std::uint32_t, kLanes> written{};
     const Word8 numbers = {0, 1, 2, 3, 4, 5, 6, 7};
-    CHECK(writeLanes(written.data(), numbers, bitsOf(less)) == expected.size());
+    const LanePacking packed(bitsOf(less));
+    CHECK(packed.count() == expected.size());
+    store(written.data(), packed(numbers));
     CHECK(std::equal(expected.begin(), expected.end(), written.begin()));
 }

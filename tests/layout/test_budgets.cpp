@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 94673},
+    {"lib", 94706},
     {"lib/python", 2063},
-    {"lib/vdbpack/core", 2548},
+    {"lib/vdbpack/core", 2575},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 3939},
     {"lib/vdbpack/verify", 2342},
@@ -31,8 +31,8 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2860},
     {"lib/vdbpack/domain", 6982},
-    {"lib/vdbpack/pack", 7899},
-    {"lib/vdbpack/densify", 5711},
+    {"lib/vdbpack/pack", 7903},
+    {"lib/vdbpack/densify", 5713},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5668},
     {"lib/vdbpack/voids", 8077},
@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3598},
     {"lib/vdbpack/run", 7590},
     {"tools", 3943},
-    {"tests", 35495},
+    {"tests", 35498},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -120,6 +120,12 @@ VDBPACK_INLINE Float8 absolute(Float8 v) {
     return bitsAs<Float8>(bitsAs<Int8>(v) & 0x7fffffff);
 }
 
+/// The least whole number that is not below `v`, within the range of Int8.
+VDBPACK_INLINE Int8 roundedUp(Float8 v) {
+    const Int8 cut = __builtin_convertvector(v, Int8);
+    return cut - (__builtin_convertvector(cut, Float8) < v);
+}
+
 /// |v| with the sign of `sign`.
 VDBPACK_INLINE float withSign(float v, float sign) {
     return std::copysign(v, sign);
@@ -182,19 +188,40 @@ inline constexpr auto kLanesOf = [] {
     return lanes;
 }();
 
-/// Writes the lanes that are set in `bits` one after the other; whole eights are written.
-/// @return how many they are.
-VDBPACK_INLINE unsigned writeLanes(std::uint32_t* to, Word8 from, unsigned bits) {
+/// Brings the lanes that are set in `bits` to the front, in their order; the others become any of
+/// the lanes.
+class LanePacking {
+public:
+    VDBPACK_INLINE explicit LanePacking(unsigned bits)
+        : count_(static_cast<unsigned>(__builtin_popcount(bits))) {
 #if defined(__AVX2__)
-    const __m256i lanes =
-        _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(kLanesOf[bits])));
-    store(to, bitsAs<Word8>(_mm256_permutevar8x32_epi32(bitsAs<__m256i>(from), lanes)));
+        lanes_ = bitsAs<Int8>(
+            _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(kLanesOf[bits]))));
 #else
-    std::uint64_t lanes = kLanesOf[bits];
-    for (std::size_t l = 0; l < kLanes; ++l, lanes >>= 8) to[l] = from[lanes & 7u];
+        for (std::size_t l = 0; l < kLanes; ++l)
+            lanes_[l] = static_cast<std::int32_t>(kLanesOf[bits] >> 8 * l & 7u);
 #endif
-    return static_cast<unsigned>(__builtin_popcount(bits));
-}
+    }
+    template <class Octet>
+    VDBPACK_INLINE Octet operator()(Octet from) const {
+#if defined(__AVX2__)
+        return bitsAs<Octet>(
+            _mm256_permutevar8x32_epi32(bitsAs<__m256i>(from), bitsAs<__m256i>(lanes_)));
+#else
+        Octet to;
+        for (std::size_t l = 0; l < kLanes; ++l) to[l] = from[static_cast<std::size_t>(lanes_[l])];
+        return to;
+#endif
+    }
+    /// Lanes that are set.
+    VDBPACK_INLINE unsigned count() const {
+        return count_;
+    }
+
+private:
+    Int8 lanes_;
+    unsigned count_;
+};
 
 /// The sum, in the same order on every machine.
 VDBPACK_INLINE float sum(Float8 v) {

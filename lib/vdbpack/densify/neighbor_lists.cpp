@@ -272,7 +272,9 @@ void Relaxation<Dim>::listSlot(Run& run, std::uint32_t slot, Candidates& around)
         if (around.count - j < 8) bits &= (1u << (around.count - j)) - 1;
         const unsigned same = bitsOf(d2 == 0) & bits;
         coinciding += __builtin_popcount(same);
-        count += writeLanes(found + count, around.numbers(j), bits & ~same);
+        const LanePacking packed(bits & ~same);
+        store(found + count, packed(around.numbers(j)));
+        count += packed.count();
     }
     // The slot itself is one of them.
     if (coinciding > 1) partCoinciding(run, slot, around);

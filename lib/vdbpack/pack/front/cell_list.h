@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 namespace vdbpack {
@@ -112,15 +113,14 @@ public:
         around.count = 0;
         forEachChunk(x, reach, [&](const Chunk& c, const std::array<Float8, Dim>& to, Int8 inside) {
             around.resize(around.count + 2 * kLanes);
-            float away[Dim][kLanes];
-            for (std::size_t d = 0; d < Dim; ++d) store(away[d], to[d]);
-            forEachSet(inside, [&](std::size_t l) {
-                const std::size_t n = around.count;
-                for (std::size_t d = 0; d < Dim; ++d) around.to[d][n] = away[d][l];
-                around.radius[n] = c.radius[l];
-                around.index[n] = c.index[l];
-                around.count += c.index[l] != except ? 1 : 0;
-            });
+            Word8 index;
+            std::memcpy(&index, c.index.data(), sizeof index);
+            const LanePacking packed(bitsOf(inside & (index != except)));
+            const std::size_t n = around.count;
+            for (std::size_t d = 0; d < Dim; ++d) store(&around.to[d][n], packed(to[d]));
+            store(&around.radius[n], packed(load(c.radius.data())));
+            store(&around.index[n], packed(index));
+            around.count += packed.count();
             return true;
         });
         around.pad();

@@ -15,6 +15,7 @@ constexpr float kParallel = 1e-5f;
 constexpr float kNoBound = 1e15f;
 /// Padding of collected spheres is farther away than this, squared.
 constexpr float kFarAway = 1e30f;
+constexpr Word8 kNumbers{0, 1, 2, 3, 4, 5, 6, 7};
 
 /// One of eight tracks.
 template <int Dim>
@@ -148,22 +149,20 @@ bool Surroundings<Dim>::sortByReach(float pivotRadius, float probe) {
         const Int8 used = square < kFarAway;
         const Int8 near = used & (signedSquare < bound);
         allOpen = allOpen && noneOf(used & (signedSquare <= -bound));
-        float levels[kLanes], slopes[kLanes], squares[kLanes], opens[kLanes];
-        store(levels, level);
-        store(slopes, slope);
-        store(squares, square);
-        store(opens, open);
-        const auto put = [&](Caps& caps, std::size_t l) {
-            const std::size_t n = caps.count++;
-            for (std::size_t d = 0; d < Dim; ++d) caps.to[d][n] = spheres.to[d][i + l];
-            caps.level[n] = levels[l];
-            caps.slope[n] = slopes[l];
-            caps.square[n] = squares[l];
-            caps.open[n] = opens[l];
-            caps.index[n] = static_cast<std::uint32_t>(i + l);
+        const auto put = [&](Caps& caps, Int8 which) {
+            const LanePacking packed(bitsOf(which));
+            const std::size_t n = caps.count;
+            for (std::size_t d = 0; d < Dim; ++d)
+                store(&caps.to[d][n], packed(load(&spheres.to[d][i])));
+            store(&caps.level[n], packed(level));
+            store(&caps.slope[n], packed(slope));
+            store(&caps.square[n], packed(square));
+            store(&caps.open[n], packed(open));
+            store(&caps.index[n], packed(kNumbers + static_cast<std::uint32_t>(i)));
+            caps.count += packed.count();
         };
-        forEachSet(near, [&](std::size_t l) { put(near_, l); });
-        forEachSet(used & ~near, [&](std::size_t l) { put(far_, l); });
+        put(near_, near);
+        put(far_, used & ~near);
     }
     near_.pad();
     far_.pad();
@@ -175,11 +174,14 @@ template <int Dim>
 void Surroundings<Dim>::findPairs(float rolling, std::uint32_t only) {
     const std::size_t count = near_.count;
     pairCount_ = 0;
-    if (pairs_.size() < count * count) pairs_.resize(count * count);
+    if (pairs_[0].size() < count * count + kLanes)
+        for (auto& ends : pairs_) ends.resize(count * count + kLanes);
     if constexpr (Dim == 2) {
         for (std::uint32_t i = 0; i < count; ++i)
-            if (only == kAll || spheres.index[near_.index[i]] == only)
-                pairs_[pairCount_++] = {i, i};
+            if (only == kAll || spheres.index[near_.index[i]] == only) {
+                pairs_[0][pairCount_] = i;
+                pairs_[1][pairCount_++] = i;
+            }
         return;
     } else {
         for (std::size_t i = 0; i < count; ++i) {
@@ -197,11 +199,14 @@ void Surroundings<Dim>::findPairs(float rolling, std::uint32_t only) {
                 const Float8 area = aa * bb - ab * ab;
                 const Float8 extent =
                     rolling * rolling * area - (ca * ca * bb - 2.0f * ca * cb * ab + cb * cb * aa);
-                forEachSet((extent > 0.0f) & (area > kParallel * aa * bb), [&](std::size_t l) {
-                    if (j + l >= from && j + l != i)
-                        pairs_[pairCount_++] = {static_cast<std::uint32_t>(i),
-                                                static_cast<std::uint32_t>(j + l)};
-                });
+                const Word8 other = kNumbers + static_cast<std::uint32_t>(j);
+                const Int8 isPair = (extent > 0.0f) & (area > kParallel * aa * bb) &
+                                    (other >= static_cast<std::uint32_t>(from)) &
+                                    (other != static_cast<std::uint32_t>(i));
+                const LanePacking packed(bitsOf(isPair));
+                store(&pairs_[0][pairCount_], Word8{} + static_cast<std::uint32_t>(i));
+                store(&pairs_[1][pairCount_], packed(other));
+                pairCount_ += packed.count();
             }
         }
     }
@@ -213,9 +218,9 @@ template <int Dim>
     std::size_t firstPair, float rolling) const {
     float gathered[Dim - 1][Dim + 2][kLanes];
     for (std::size_t l = 0; l < kLanes; ++l) {
-        const auto& pair = pairs_[std::min(firstPair + l, pairCount_ - 1)];
+        const std::size_t pair = std::min(firstPair + l, pairCount_ - 1);
         for (std::size_t n = 0; n < Dim - 1; ++n) {
-            const std::size_t i = pair[n];
+            const std::size_t i = pairs_[n][pair];
             for (std::size_t d = 0; d < Dim; ++d) gathered[n][d][l] = near_.to[d][i];
             gathered[n][Dim][l] = near_.level[i];
             gathered[n][Dim + 1][l] = near_.slope[i];
@@ -294,7 +299,8 @@ void Surroundings<Dim>::findSites(float pivotRadius, const Radii& radii, std::ui
             room.isLeft(), [&](std::size_t l) __attribute__((always_inline)) {
                 if (l >= used) return;
                 const auto add = [&](float sign) __attribute__((always_inline)) {
-                    sites.push_back(siteOf(pairs_[p + l], laneOf(tracks, l), sign, radii));
+                    sites.push_back(siteOf({pairs_[0][p + l], pairs_[1][p + l]}, laneOf(tracks, l),
+                                           sign, radii));
                     for (std::size_t d = 0; d < Dim; ++d)
                         sites.back().start[d] = start.middle[d][l] + sign * start.side[d][l];
                 };

@@ -98,7 +98,7 @@ private:
     float pivotReach_ = 0;  ///< pivot radius and twice the probe's, mm
     std::vector<std::pair<std::size_t, Cap<float, Dim>>> walls_;  ///< position in `spheres`, cap
     Caps near_, far_;  ///< in reach of the probe, and of larger spheres only
-    std::vector<std::array<std::uint32_t, 2>> pairs_;  ///< of `near_`; 2D: one body, twice
+    std::array<std::vector<std::uint32_t>, 2> pairs_;  ///< of `near_`; 2D: one body, twice
     std::size_t pairCount_ = 0;
 };
 

@@ -91,14 +91,12 @@ void VacancySearch<Dim>::stampSpheres() {
                 const Float8 square = layer - dy * dy;
                 Float8 half = squareRoot(larger(square, 0.0f));
                 half = choose(square <= 0.0f, -1.0f, half);  // none of that row
-                float first[kLanes], last[kLanes];
-                store(first, larger(x - half, 0.0f));
-                store(last, smaller(x + half, static_cast<float>(most)));
+                std::int32_t first[kLanes], last[kLanes];
+                store(first, roundedUp(larger(x - half, 0.0f)));
+                store(last, -roundedUp(-smaller(x + half, static_cast<float>(most))));
                 std::uint64_t* words = row(j, k);
                 const int rows = std::min(static_cast<int>(kLanes), to[1] - j + 1);
-                for (int l = 0; l < rows; ++l, words += rowWords_)
-                    cover(words, static_cast<int>(std::ceil(first[l])),
-                          static_cast<int>(std::floor(last[l])));
+                for (int l = 0; l < rows; ++l, words += rowWords_) cover(words, first[l], last[l]);
             }
         }
     }
