@@ -52,7 +52,7 @@ TEST_CASE("the report has the keys that scripts rely on") {
       "overlap": {"max": 0, "pairs": 0},
       "gap": {"asked": 0, "min": 0},
       "protrusion": {"max": 0, "spheres": 0, "centersOutside": 0},
-      "densified": {"asked": 0.65, "before": 0, "after": 0, "inserted": 0, "steps": 0, "stages": 0,
+      "densified": {"asked": 0.65, "start": "pack", "before": 0, "after": 0, "inserted": 0, "steps": 0, "stages": 0,
                     "contacts": [{"tolerance": 0, "before": 0, "after": 0},
                                  {"tolerance": 0, "before": 0, "after": 0},
                                  {"tolerance": 0, "before": 0, "after": 0}], "solidLike": 0},

@@ -61,6 +61,9 @@ DIM_TEST_CASE("a device makes the pack of the processor in boxes, balls and peri
         const auto before = front(*domain, spec);
         auto options = to<Dim>(solidFraction(before, *domain) + 0.02, spec);
         checkSame(*domain, before, options);
+        options.random = true;
+        checkSame(*domain, {}, options);
+        options.random = false;
         options.settle = true;
         checkSame(*domain, before, options);
     }

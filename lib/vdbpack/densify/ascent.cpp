@@ -11,14 +11,20 @@ namespace {
 /// Increments of the solid fraction on the way to the densest pack; the last one ends it, at this
 /// pace where sizes differ.
 constexpr std::array<double, 3> kStages{0.02, 0.01, 0.005};
-constexpr RelaxationPace kPaceOfMost{0.9985, 0.25};
-/// The way to the densest pack of a periodic cell: in one stage from the front, by as much as can
-/// be of the first; then in stages. Each of these is tried twice, with further spheres of its own:
-/// which of them jams is chance.
-constexpr std::array<double, 4> kGainsAtOnce{0.049, 0.047, 0.045, 0.0425};
+constexpr RelaxationPace kPaceOfMost{0.9985, 0.6, 2, 0.004};
+/// The way of spheres of different sizes: a quick relaxation by so much more than can be gained
+/// ends with a strain, and this grows by kStrainBy for each unit of solid fraction. The densest
+/// pack is about where it would have been kStrainOfMost: U[1,2] in boxes of 60 to 120 mm, a slab of
+/// 20 mm and a mandible jams from 0.040 to 0.051 on, U[1,4] from 0.043 on.
+constexpr RelaxationPace kProbe{0.99, 0.25, 3, 0.003, 5};
+constexpr double kGainOfProbe = 0.049, kStrainOfMost = 0.040, kStrainBy = 3.6;
+/// What has jammed all the same is tried again without the fraction that its strain shows, and this
+/// much less, then twice as much, and so on.
+constexpr double kSurely = 1e-3;
+/// A periodic cell is made denser in stages then. Each is tried twice, with further spheres of its
+/// own: which of them jams is chance.
 constexpr std::array<double, 2> kStagesOfCell{0.005, 0.0025};
 constexpr int kTries = 2;
-constexpr RelaxationPace kPaceOfCell{0.998, 0.25};
 /// Equal spheres stay at random at this pace where they have no walls, along which they
 /// crystallize.
 constexpr RelaxationPace kPaceOfEqualInCell{0.996, 0.1};
@@ -29,6 +35,9 @@ constexpr std::array<double, 11> kGainsOfEqual{0.0425, 0.041, 0.0395, 0.038, 0.0
 /// Below this, equal spheres are loose enough for another such gain.
 constexpr double kLoose = 0.63;
 
+/// Spheres that cannot be pushed apart at this solid fraction are no pack.
+constexpr double kLeastFraction = 0.05;
+
 }  // namespace
 
 void Ascent::reach(double wanted) {
@@ -36,6 +45,7 @@ void Ascent::reach(double wanted) {
     stages_.stage = 0;
     if (setting_.isInCell) climbInCell(wanted);
     if (!isEnded(wanted)) climb(wanted);
+    fallBack();
 }
 
 void Ascent::reachMost() {
@@ -46,6 +56,14 @@ void Ascent::reachMost() {
         climbAtRandom(most);
     else
         climb(most);
+    fallBack();
+}
+
+/// Where there is no pack to begin with, and none of the tries made one: any will do.
+void Ascent::fallBack() {
+    for (double goal = setting_.before;
+         !(stages_.reached() > 0) && !stages_.isInterrupted() && goal > kLeastFraction; goal *= 0.9)
+        stages_.attempt(goal, paces_.all());
 }
 
 bool Ascent::isEnded(double most) const {
@@ -55,18 +73,11 @@ bool Ascent::isEnded(double most) const {
 /// To the densest pack of a periodic cell, or up to `most`.
 void Ascent::climbInCell(double most) {
     if (paces_.areEqualSpheres()) return climbAtRandom(most);
-    double failed = 1;  // the least fraction that has
-    for (const double gain : kGainsAtOnce) {
-        const double next = std::min(setting_.before + gain, most);
-        if (!(next < failed)) continue;
-        failed = next;
-        if (stages_.attempt(next, {kPaceOfCell}) || stages_.isInterrupted()) break;
-        stages_.stage = 0;
-    }
+    climbByStrain(most);
     for (const double increment : kStagesOfCell)
         for (int tries = 0; tries < kTries;) {
             if (isEnded(most)) return;
-            tries += !stages_.attempt(std::min(stages_.reached() + increment, most), {kPaceOfCell});
+            tries += !stages_.attempt(std::min(stages_.reached() + increment, most), {kPaceOfMost});
         }
 }
 
@@ -78,11 +89,11 @@ void Ascent::climbAtRandom(double most) {
 
 /// @return whether the pack is loose enough for another such gain.
 bool Ascent::climbOnceAtRandom(double most) {
-    const double from = stages_.reached();
+    const double first = from();
     double failed = 1;  // the least fraction that has
     for (const double gain : kGainsOfEqual) {
         const std::uint64_t stage = stages_.stage;
-        const double next = std::min(from + gain, most);
+        const double next = std::min(first + gain, most);
         if (!(next < failed)) continue;
         failed = next;
         if (stages_.attempt(next, setting_.hasWalls
@@ -95,11 +106,30 @@ bool Ascent::climbOnceAtRandom(double most) {
     return false;
 }
 
+/// To the densest pack, or up to `most`, by what the strain of a jammed one says. @return whether
+/// the pack is denser than before
+bool Ascent::climbByStrain(double most) {
+    const double begin = stages_.reached();
+    const double limit = std::min(most, setting_.limit);
+    double goal = 0;
+    do {
+        goal = std::min(from() + kGainOfProbe, limit);
+    } while (stages_.attempt(goal, {kProbe}) && !isEnded(limit));
+    if (isEnded(limit)) return true;
+    goal = std::min(limit, goal + (kStrainOfMost - stages_.strain()) / kStrainBy);
+    for (double less = kSurely; goal > stages_.reached(); less *= 2) {
+        if (stages_.attempt(goal, {kPaceOfMost}) || stages_.isInterrupted()) break;
+        goal -= stages_.strain() / kStrainBy + less;
+    }
+    return stages_.reached() > begin;
+}
+
 /// Climbs in stages until the smallest one fails, or `most` is reached.
 void Ascent::climb(double most) {
+    if (setting_.isInSpace && paces_.differInSize() && climbByStrain(most)) return;
     for (const double increment : kStages)
         while (!stages_.isInterrupted()) {
-            const double next = std::min(stages_.reached() + increment, most);
+            const double next = std::min(from() + increment, most);
             const bool isLast = increment == kStages.back() && paces_.differInSize();
             if (next > setting_.limit ||
                 !(isLast ? stages_.attempt(next, {kPaceOfMost}) : attemptGain(next)))

@@ -3,6 +3,7 @@
 
 #include "vdbpack/densify/pace.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -19,6 +20,8 @@ public:
     /// Adds spheres up to `fraction` and relaxes, at one pace after the other until a pack has no
     /// overlaps, which is kept. @return whether there is one.
     virtual bool attempt(double fraction, const std::vector<RelaxationPace>& paces) = 0;
+    /// Where the last attempt ended with overlaps: their sum for a sphere, in radii, on average.
+    virtual double strain() const = 0;
     virtual double reached() const = 0;  ///< solid fraction by now
     virtual bool isInterrupted() const = 0;
 
@@ -30,10 +33,11 @@ public:
 class Ascent {
 public:
     struct Setting {
-        double before;  ///< solid fraction of the front
-        double limit;   ///< no solid fraction above this is tried
-        bool isInCell;  ///< spheres in a cell that is periodic along an axis
-        bool hasWalls;  ///< not periodic along all axes
+        double before;   ///< solid fraction of the front, or what it would be
+        double limit;    ///< no solid fraction above this is tried
+        bool isInCell;   ///< spheres in a cell that is periodic along an axis
+        bool hasWalls;   ///< not periodic along all axes
+        bool isInSpace;  ///< 3D
     };
     Ascent(Stages& stages, const Paces& paces, const Setting& setting)
         : stages_(stages), paces_(paces), setting_(setting) {}
@@ -49,8 +53,11 @@ private:
     void climbAtRandom(double most);
     bool climbOnceAtRandom(double most);
     void climb(double most);
+    bool climbByStrain(double most);
     bool attemptGain(double fraction);
+    void fallBack();
     bool isEnded(double most) const;
+    double from() const { return std::max(stages_.reached(), setting_.before); }
 
     Stages& stages_;
     const Paces& paces_;

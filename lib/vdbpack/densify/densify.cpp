@@ -8,6 +8,7 @@
 #include "vdbpack/densify/label_homes.h"
 #include "vdbpack/densify/local_further.h"
 #include "vdbpack/densify/on_first_rank.h"
+#include "vdbpack/densify/random_start.h"
 #include "vdbpack/densify/relaxation.h"
 #include "vdbpack/densify/stir.h"
 #include "vdbpack/domain/inset_domain.h"
@@ -41,15 +42,20 @@ public:
           sizes_(spheres, options),
           local_(options.local ? std::make_unique<LocalFurther<Dim>>(domain, spheres, options)
                                : nullptr),
-          paces_(Dim, local_ ? local_->radii() : sizes_.radii(), ranks_),
-          moving_(sumOver(ranks_, std::uint64_t{sizes_.radii().size()})) {
+          paces_(Dim,
+                 options.random ? someRadii(*options.sizes)
+                 : local_       ? local_->radii()
+                                : sizes_.radii(),
+                 ranks_),
+          moving_(options.random ? aboutCount<Dim>(*options.sizes, options.fraction, volume_)
+                                 : sumOver(ranks_, std::uint64_t{sizes_.radii().size()})) {
         if (shell_ > 0) inset_ = insetDomain(domain, shell_);
         domain_ = inset_ ? inset_.get() : &domain;
         result_.spheres = spheres;
         result_.regions = local_ ? local_->classes() : options.regions;
         if (local_) relative_ = local_->relative();
         if (local_ && options.local->shellSizes) boundary_.emplace(domain, options.local->shell);
-        result_.before = reached();
+        result_.before = options.random ? 0 : reached();
         places_.resize(spheres.size());
         std::iota(places_.begin(), places_.end(), 0u);
         if (!ranks_)
@@ -61,17 +67,19 @@ public:
     }
 
     DensifyResult<Dim> run() {
-        result_.apart = moving_ == 0 || ranks_ || options_.settle || isApart();
+        result_.apart =
+            moving_ == 0 || ranks_ || options_.settle || (!options_.random && isApart());
         if (moving_ > 0 && options_.settle) {
             settle();
         } else if (moving_ > 0) {
             const PeriodicCell<Dim> cell = domain_->cell();
+            const double front = options_.random ? likeFront(*domain_, options_) : reached();
             Ascent ascent(
                 *this, paces_,
-                {result_.before, kMostFraction<Dim>, Dim == 3 && cell.any(), !cell.all()});
+                {front, kMostFraction<Dim>, Dim == 3 && cell.any(), !cell.all(), Dim == 3});
             if (std::isinf(options_.fraction))
                 ascent.reachMost();
-            else if (options_.fraction > result_.before)
+            else if (options_.random || options_.fraction > result_.before)
                 ascent.reach(options_.fraction);
             else if (!result_.apart)
                 attempt(result_.before, paces_.all());  // adds no sphere: any pace may succeed
@@ -93,6 +101,7 @@ private:
     double fractionOf(const std::vector<Sphere<Dim>>& spheres) const {
         return ballShare(spheres, volume_, ranks_);
     }
+    double strain() const override { return strain_; }
     double reached() const override { return fractionOf(result_.spheres); }
     bool isInterrupted() const override { return result_.interrupted; }
 
@@ -112,6 +121,9 @@ private:
             mixSizes(options_.seed, stage, options_.fixed, regions, spheres, places_);
         if (ranks_)
             insertOverRanks(fraction, spheres, labels, *homes);
+        else if (options_.random && spheres.empty())
+            spheres = randomStart(*domain_, *options_.sizes, fraction * volume_, shell_,
+                                  options_.seed + stage);
         else
             insert(fraction, spheres, regions);
         ++result_.stages;
@@ -134,7 +146,6 @@ private:
         return false;
     }
 
-    /// Adds spheres up to `fraction` where there is room for them.
     void insert(double fraction, std::vector<Sphere<Dim>>& spheres,
                 std::vector<std::int32_t>& regions) const {
         RandomStream random = furtherStream(options_.seed, stage);
@@ -148,7 +159,6 @@ private:
         if (paces_.areEqualCircles()) stir(options_.seed, *domain_, options_.fixed, {}, spheres);
     }
 
-    /// As `attempt`, where sizes differ by place.
     bool attemptLocally(double fraction, const std::vector<RelaxationPace>& paces) {
         ++result_.stages;
         ++stage;
@@ -176,7 +186,8 @@ private:
         constexpr double kFit = 2e-3;
         const double begin = reached();
         for (std::uint64_t turn = 1;; ++turn) {
-            const double next = turn == 1 ? begin + kFirst * (fraction - begin) : fraction;
+            const bool isFirst = turn == 1 && !pace.isProbe();
+            const double next = isFirst ? begin + kFirst * (fraction - begin) : fraction;
             local_->insert((next - fractionOf(pack.spheres)) * volume_, *domain_,
                            stage ^ (turn << 48), pack);
             if (paces_.areEqualCircles())
@@ -201,19 +212,16 @@ private:
     }
 
     bool relaxLocally(double fraction, const RelaxationPace& pace, LocalPack<Dim>& pack) {
-        const std::size_t count = pack.spheres.size();
         return relaxHere(pack.spheres, pack.classes, [&](Relaxation<Dim>& relaxation) {
-            return isRelaxed(relaxation, pace, fraction, count);
+            return isRelaxed(relaxation, pace, fraction, pack.spheres.size());
         });
     }
 
-    /// As `insert`, over ranks.
-    /// @param labels, homes  of the spheres; those that are added are, too.
+    /// As `insert`, over ranks; gives labels and homes to those that are added.
     void insertOverRanks(double fraction, std::vector<Sphere<Dim>>& spheres,
                          std::vector<std::uint32_t>& labels, LabelHomes& homes) const {
         RandomStream random = furtherStream(options_.seed, stage);
-        const auto radii =
-            sizes_.draw((fraction - reached()) * volume_, random).radii;  // the same on all
+        const auto radii = sizes_.draw((fraction - reached()) * volume_, random).radii;
         if (radii.empty()) return;
         Relaxation<Dim> present(*domain_, grownBy(shell_, spheres), *ranks_, labels,
                                 *std::max_element(radii.begin(), radii.end()), options_.seed);
@@ -231,7 +239,6 @@ private:
         if (paces_.areEqualCircles()) stir(options_.seed, *domain_, 0, labels, spheres);
     }
 
-    /// Relaxes at one pace. @return whether no overlap is left.
     bool isRelaxed(Relaxation<Dim>& relaxation, const RelaxationPace& pace, double fraction,
                    std::size_t count) {
         const int steps = mostSteps(pace);
@@ -246,6 +253,7 @@ private:
         const auto outcome = relaxation.run(pace, steps, callbacks_, goOn);
         result_.steps += static_cast<std::uint64_t>(outcome.steps);
         result_.interrupted = outcome.interrupted;
+        if (!outcome.apart && !outcome.interrupted) strain_ = relaxation.strain();
         return outcome.apart;
     }
 
@@ -267,7 +275,7 @@ private:
     void drawTogether() {
         relaxOnce(result_.spheres, "densify, contacts",
                   [&](Relaxation<Dim>& relaxation, const auto& onStep) {
-                      return relaxation.drawTogether(callbacks_, onStep);
+                      return relaxation.drawTogether(options_.random, callbacks_, onStep);
                   });
     }
 
@@ -348,7 +356,6 @@ private:
         }
     }
 
-    /// The same as `sortByPlace`, over ranks.
     void sortOverRanks() {
         struct Sorted {
             std::uint32_t place;
@@ -380,6 +387,7 @@ private:
     std::uint64_t moving_;                ///< spheres that move, of all ranks
     std::unique_ptr<StepDevice> device_;  ///< null: the processor alone
     std::optional<LabelHomes> homes_;     ///< over ranks: of the spheres of the result
+    double strain_ = 0;                   ///< as `Stages::strain`
     bool moved_ = false;                  ///< whether the result is no longer the input pack
     DensifyResult<Dim> result_;
     std::vector<std::uint32_t> places_;  ///< numbers of the spheres that were there at first

@@ -55,6 +55,11 @@ struct DensifyOptions {
     /// with spheres of nearly the same request; `regions` are not used then.
     const LocalSizes* local = nullptr;
 
+    /// Whether there is no pack to begin with: as many spheres of `sizes` as make `fraction` are
+    /// put at random points and pushed apart. Nothing of a front is in such a pack. Not with
+    /// spheres, regions, `local` and ranks.
+    bool random = false;
+
     /// Whether the spheres of a region first exchange their radii at random in a periodic cell: for
     /// spheres of a front, which leaves large ones where it begins and small ones where it ends, at
     /// the faces of the cell. Not where `local` is given.
@@ -84,9 +89,9 @@ struct DensifyOptions {
 
 template <int Dim>
 struct DensifyResult {
-    /// The input pack in its order, then the added spheres; near where they were, since it is the
-    /// radii that spheres of nearly equal size exchange. If `apart`, no two overlap and none
-    /// protrudes from the domain, except for the fixed ones.
+    /// The input pack in its order, then the added spheres (`random`: these alone); near where they
+    /// were, since it is the radii that spheres of nearly equal size exchange. If `apart`, no two
+    /// overlap and none protrudes from the domain, except for the fixed ones.
     std::vector<Sphere<Dim>> spheres;
     std::vector<std::int32_t> regions;  ///< of all spheres, if the options have regions
     std::vector<std::uint32_t> labels;  ///< over ranks: of all spheres of this one
@@ -106,8 +111,8 @@ struct DensifyResult {
 ///
 /// Where the requested fraction is not reached, the densest pack without overlaps is returned. The
 /// same for any number of threads. Cost: 8 to 15 µs of processor time per sphere for 0.01 to 0.03
-/// more than the front's fraction, 280 µs for the densest pack; 3 µs for contacts, 8 to 14 to
-/// settle.
+/// more than the front's fraction, 100 to 260 µs for the densest pack, 20 from random points to a
+/// front's fraction; 3 µs for contacts, 8 to 14 to settle.
 /// @param spheres  mm; from any program. They may overlap and protrude by less than their radii.
 /// @throws ParameterError for an impossible fraction or gap; InputError for unusable spheres or a
 /// domain without volume, or a periodic cell shorter than four diameters; ResourceError above 2^31

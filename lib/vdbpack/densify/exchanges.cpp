@@ -90,6 +90,30 @@ typename Relaxation<Dim>::Strain Relaxation<Dim>::strainOf(const Run& run,
 }
 
 template <int Dim>
+double Relaxation<Dim>::strain() {
+    constexpr double kUnit = 1 << 20;  // whole sums: the same over any number of ranks
+    toHost();
+    std::vector<std::array<std::uint64_t, 2>> sums(runs_.size());
+    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t r) {
+        const Run& run = runs_[r];
+        for (std::size_t m = 0; m < run.ranks.size(); ++m) {
+            const float radius = now_.bodies[run.members[m]].radius;
+            sums[r][0] += static_cast<std::uint64_t>(
+                kUnit * static_cast<double>(strainOf(run, m).squeeze / radius));
+        }
+        sums[r][1] = run.ranks.size();
+    });
+    std::uint64_t sum = 0, count = 0;
+    for (const auto& [squeeze, spheres] : sums) {
+        sum += squeeze;
+        count += spheres;
+    }
+    sum = sumOver(ranks_, sum);
+    count = sumOver(ranks_, count);
+    return static_cast<double>(sum) / kUnit / static_cast<double>(count);
+}
+
+template <int Dim>
 void Relaxation<Dim>::leaveWalls(const Run& run, std::uint32_t slot, float speed) {
     const std::uint32_t k = slot - run.first;
     const Body& body = now_.bodies[slot];
@@ -159,9 +183,11 @@ void Relaxation<Dim>::loosen(float worst, float kick, bool exchanges) {
 
 template void Relaxation<2>::swapRun(Run&, const std::vector<Squeezed>&);
 template void Relaxation<2>::exchangeLabels(std::uint32_t, std::uint32_t);
+template double Relaxation<2>::strain();
 template void Relaxation<2>::loosen(float, float, bool);
 template void Relaxation<3>::swapRun(Run&, const std::vector<Squeezed>&);
 template void Relaxation<3>::exchangeLabels(std::uint32_t, std::uint32_t);
+template double Relaxation<3>::strain();
 template void Relaxation<3>::loosen(float, float, bool);
 
 }  // namespace vdbpack

@@ -54,6 +54,11 @@ void checkOptions(const DensifyOptions& options, std::size_t count, double volum
     if (options.fixed > count)
         throw ParameterError(fmt::format("`fixed` {}: there are {} {}; fix no more than these",
                                          options.fixed, count, Measure<Dim>::kSpheres));
+    if (options.random &&
+        (count > 0 || options.local || options.ranks || !options.sizes || !(options.fraction > 0)))
+        throw ParameterError(
+            "`random`: needs `sizes` and a `fraction`, and works without spheres, `local` and "
+            "`ranks`");
     if (!(volume > 0))
         throw InputError(fmt::format("densify: the domain has no {}; check its unit and clips",
                                      Measure<Dim>::kVolume));

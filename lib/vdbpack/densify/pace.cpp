@@ -10,8 +10,6 @@ namespace {
 constexpr double kNarrowDeviation = 0.06;
 /// The last paces of equal spheres, which do not leave them at random.
 constexpr std::size_t kCrystallizing = 2;
-/// A relaxation that succeeds does so within this many spans of 1 / (1 - inertia).
-constexpr double kMemories = 14;
 
 bool areNearlyEqual(const std::vector<double>& radii, Ranks* ranks) {
     double sum = 0, squares = 0;
@@ -62,7 +60,7 @@ std::vector<RelaxationPace> Paces::from(std::size_t first, std::size_t last) con
 }
 
 int mostSteps(const RelaxationPace& pace) {
-    return static_cast<int>(kMemories / (1 - pace.inertia));
+    return static_cast<int>(pace.spans / (1 - pace.inertia));
 }
 
 bool Jam::add(int step, double worst) {

@@ -82,10 +82,13 @@ public:
     Outcome run(const RelaxationPace& pace, int steps, const Callbacks& callbacks,
                 const std::function<bool(int, double)>& goOn = {});
 
-    /// Draws near spheres together until they touch; for spheres that are apart. Where these are
-    /// not apart in the end, they are no pack.
+    /// The sum of the overlaps of a sphere that moves, in its radii, on average over all of them.
+    double strain();
+
+    /// Draws spheres that are apart together until they touch. Where not apart in the end, they are
+    /// no pack. @param loose  whether wider gaps than in a densified front are closed.
     /// @param onStep  called before every step with the share of them that is done.
-    Outcome drawTogether(const Callbacks& callbacks,
+    Outcome drawTogether(bool loose, const Callbacks& callbacks,
                          const std::function<void(double)>& onStep = {});
     /// The same for the spheres of a front that were moved a little at random: they are pushed
     /// apart until gaps are alike everywhere, so that no direction and no place tells where the

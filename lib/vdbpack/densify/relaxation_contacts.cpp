@@ -70,8 +70,9 @@ struct Relaxation<Dim>::Drawing {
 
 template <int Dim>
 typename Relaxation<Dim>::Outcome Relaxation<Dim>::drawTogether(
-    const Callbacks& callbacks, const std::function<void(double)>& onStep) {
-    return draw({0.016f, 5e-3f, 2e-6f, 95, 0.03f, 0}, callbacks, onStep);
+    bool loose, const Callbacks& callbacks, const std::function<void(double)>& onStep) {
+    return loose ? draw({0.03f, 1e-2f, 2e-6f, 95, 0.03f, 0}, callbacks, onStep)
+                 : draw({0.016f, 5e-3f, 2e-6f, 95, 0.03f, 0}, callbacks, onStep);
 }
 
 template <int Dim>
@@ -169,8 +170,8 @@ template typename Relaxation<2>::Outcome Relaxation<2>::settle(const Callbacks&,
 template typename Relaxation<3>::Outcome Relaxation<3>::settle(const Callbacks&,
                                                                const std::function<void(double)>&);
 template typename Relaxation<2>::Outcome Relaxation<2>::drawTogether(
-    const Callbacks&, const std::function<void(double)>&);
+    bool, const Callbacks&, const std::function<void(double)>&);
 template typename Relaxation<3>::Outcome Relaxation<3>::drawTogether(
-    const Callbacks&, const std::function<void(double)>&);
+    bool, const Callbacks&, const std::function<void(double)>&);
 
 }  // namespace vdbpack

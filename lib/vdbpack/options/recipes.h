@@ -70,6 +70,9 @@ struct PackRecipe : RunSettings {
     /// How spheres are moved and added afterwards, with the gap of `packing`; fraction 0: they are
     /// not.
     DensifyOptions densify;
+    /// Whether `densify` begins with spheres at random points (`DensifyOptions::random`) in place
+    /// of a front.
+    bool randomStart = false;
     /// Whether the front's spheres are settled (`DensifyOptions::settle`).
     bool settle = false;
     VoidRecipe voids;

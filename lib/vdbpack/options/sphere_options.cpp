@@ -28,6 +28,7 @@ const Names<Effort> kEfforts{named(Effort::fast), named(Effort::normal), named(E
 const Names<Order> kOrders{named(Order::waves),  named(Order::sweep),       named(Order::wall),
                            named(Order::center), {"center", Order::center}, named(Order::fifo)};
 
+const Names<bool> kStarts{{"front", false}, {"random", true}};
 const Names<bool> kOnOff{{"on", true}, {"off", false}};
 
 double solidFractionIn(const std::string& text) {
@@ -149,6 +150,10 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
     densifyOption(rows, recipe.densify.fraction,
                   "after packing, move and add spheres until the solid fraction is F, or as high "
                   "as possible (max); radii do not change");
+    rows.choice("start", "front|random [front]", recipe.randomStart, kStarts,
+                "random: spheres at random points, pushed apart until they have the solid fraction "
+                "of `densify`, from loose packs to the densest: no front leaves its directions in "
+                "the pack, and `target-count` is met within a few");
     rows.choice("settle", "on|off [off]", recipe.settle, kOnOff,
                 "after packing, move the spheres until neither their contacts nor their density "
                 "tell where the packing began: isotropic packs of the same spheres, with fewer "

@@ -121,6 +121,7 @@ struct Report {
         static constexpr std::array<double, 3> kContactTolerances{1e-3, 1e-2, 5e-2};
 
         std::optional<double> requested;  ///< solid fraction; nothing: as dense as possible
+        bool random = false;              ///< from random points, not from a front
         double before = 0, after = 0;
         std::uint64_t inserted = 0, steps = 0;
         int stages = 0;

@@ -92,6 +92,7 @@ Json densifiedJson(const Report& r) {
                             {"before", d.contactsBefore[k]},
                             {"after", d.contactsAfter ? Json((*d.contactsAfter)[k]) : Json()}});
     return {{"asked", d.requested ? Json(*d.requested) : Json("max")},
+            {"start", d.random ? "random" : "pack"},
             {"before", d.before},
             {"after", d.after},
             {"inserted", d.inserted},

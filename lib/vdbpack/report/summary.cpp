@@ -184,16 +184,23 @@ void addParts(Summary& out, const Report& r) {
 
 void addDensified(Summary& out, const Report& r, const DimensionWords& words) {
     const Report::Densified& d = *r.densified;
-    out.line("densified",
-             fmt::format("from {:.4f} to {:.4f} of the domain, {} {} added, {} steps", d.before,
-                         d.after, grouped(d.inserted), words.spheres, grouped(d.steps)));
+    if (d.random)
+        out.line("densified", fmt::format("from random points to {:.4f} of the domain, {} steps",
+                                          d.after, grouped(d.steps)));
+    else
+        out.line("densified",
+                 fmt::format("from {:.4f} to {:.4f} of the domain, {} {} added, {} steps", d.before,
+                             d.after, grouped(d.inserted), words.spheres, grouped(d.steps)));
     const auto& before = d.contactsBefore;
     if (!d.contactsAfter || !d.solidLike) return;
     const auto& after = *d.contactsAfter;
     out.line("",
              fmt::format("coordination numbers without walls, for gaps up to 0.1, 1 and 5 % of the "
-                         "smaller radius: {:.2f}, {:.2f}, {:.2f} (before: {:.2f}, {:.2f}, {:.2f})",
-                         after[0], after[1], after[2], before[0], before[1], before[2]));
+                         "smaller radius: {:.2f}, {:.2f}, {:.2f}{}",
+                         after[0], after[1], after[2],
+                         d.random ? std::string()
+                                  : fmt::format(" (before: {:.2f}, {:.2f}, {:.2f})", before[0],
+                                                before[1], before[2])));
     constexpr double kNextTolerance = Report::Densified::kContactTolerances[1];
     if (r.contactTolerance < kNextTolerance && after[0] < 0.5 * after[1])
         out.line("", fmt::format("contacts and bonds of densified {} need a wider tolerance: "
@@ -343,7 +350,7 @@ void addRun(Summary& out, const Report& r, const DimensionWords& words) {
         out.line("device",
                  fmt::format("{}, driver {}: {} steps, {:.2f} seconds of kernels", r.device.name,
                              r.device.driver, grouped(r.device.steps), r.device.seconds));
-    if (r.seconds.pack > 0 && r.count > 0)
+    if (r.seconds.pack > 0 && r.count > 0 && !(r.densified && r.densified->random))
         out.line("", fmt::format(
                          "{} {} placed per second",
                          grouped(static_cast<std::uint64_t>(static_cast<double>(r.count) /

@@ -5,6 +5,7 @@
 #include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/measure/morphometry/solid_image.h"
+#include "vdbpack/pack/front_fraction.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/shell_field.h"
@@ -153,24 +154,14 @@ double expectedShare(const VoidRecipe& voids, const Extent& e, double radius) {
                      std::pow(targetBvtvOf(voids).value_or(left), std::pow(larger, e.dim) - 1));
 }
 
-/// The share of a volume that a front fills with spheres of mean radius `mean` and mean volume
-/// `ball`, each with half of the gap around it.
-///
-/// Least squares of 202 packs: 14 distributions, ratios up to 20, in boxes, balls, slabs of four
-/// mean radii and more, discs, periodic cells; mandible, hip, vertebra, femur, three skulls. Root
-/// mean square of the errors 2.0 % in space, 1.1 % in the plane; largest 5.0 % and 3.0 %. Factors
-/// of effort and order: box:60,60,60 with uniform:0.6,1.2.
-/// @param wall  area in the volume, 1/mm.
-double frontFraction(const PackRecipe& recipe, int dim, double mean, double ball, double wall) {
-    const double spread =
-        std::sqrt(std::max(0.0, std::pow(ball / ballOf(dim, mean), 1.0 / dim) - 1));
-    const double half = 0.5 * recipe.packing.gap;
-    const double filled = dim == 3 ? 0.604 + 0.145 * spread - 0.152 * wall * (mean + half)
-                                   : 0.811 + 0.094 * spread - 0.096 * wall * (mean + half);
+/// The share of a volume that the front of a recipe fills, as `frontFraction`. Factors of effort
+/// and order: box:60,60,60 with uniform:0.6,1.2.
+double fractionOf(const PackRecipe& recipe, int dim, double mean, double ball, double wall) {
     double factor = recipe.packing.effort == Effort::fast && dim == 3 ? 0.95 : 1;
     if (!sweeps(recipe.packing.order)) factor *= recipe.packing.order == Order::fifo ? 0.95 : 0.99;
-    return factor * std::clamp(filled, 0.15, 0.95) * std::pow(1 + half / mean, -dim) *
-           std::max(0.0, 1 - half * wall);
+    const double gap = recipe.packing.gap;
+    return factor * (dim == 3 ? frontFraction<3>(mean, ball, wall, gap)
+                              : frontFraction<2>(mean, ball, wall, gap));
 }
 
 /// Seconds of one processor (AMD EPYC, GCC 12, `--threads 1`), linear in what was measured to
@@ -192,7 +183,11 @@ Report::Seconds secondsOf(const Extent& e, const PackRecipe& recipe, double mean
     s.pack = searched * plane *
              (4.3e-6 * e.count * std::max(1.0, 0.55 * largest / mean) + 2.5e-6 * atWalls);
     // Towards the densest pack a sphere takes ever longer.
-    if (dense > 0) s.densify = searched * e.count * (dense < 1 ? 8e-6 / (1.1 - dense) : 280e-6);
+    if (dense > 0) s.densify = searched * e.count * (dense < 1 ? 8e-6 / (1.1 - dense) : 180e-6);
+    if (recipe.randomStart) {
+        s.pack = 0;
+        s.densify = s.densify / searched + 20e-6 * e.count;
+    }
     if (recipe.settle) s.settle = searched * e.count * 9e-6;
     // For a foam in space, a pack is densified; its targets are fitted on images.
     s.voids = (e.voids.foam && e.dim == 3 ? 28e-9 : 9e-9) * stampBytes(e) + 5e-6 * e.imageVoxels;
@@ -227,8 +222,8 @@ void expectSpheres(PackPlan& plan, const PackRecipe& recipe, const DomainSource&
     double volume = e.volume, area = e.area, scale = 1;
     const double others = leaveOut(existing, source, plan, volume, area);
     const auto front = [&] {
-        return frontFraction(recipe, e.dim, scale * mean, std::pow(scale, e.dim) * ball,
-                             volume > 0 ? area / volume : 0);
+        return fractionOf(recipe, e.dim, scale * mean, std::pow(scale, e.dim) * ball,
+                          volume > 0 ? area / volume : 0);
     };
     e.count = target > 0 ? target / (e.solid ? 1 : plan.radii.share) : front() * volume / ball;
     addVoids(e, recipe.voids, plan.requested.largest() * plan.radii.scale);
@@ -250,7 +245,7 @@ void expectSpheres(PackPlan& plan, const PackRecipe& recipe, const DomainSource&
             const double more = (recipe.densify.fraction * whole - others) / (filled * volume) - 1;
             dense = std::clamp(more / gain, 0.0, 1.0);
             plan.densified = more <= 1.5 * gain || std::isinf(recipe.densify.fraction);
-            filled *= 1 + gain * dense;
+            filled *= recipe.randomStart && more < 0 ? 1 + more : 1 + gain * dense;
         }
         if (target > 0) scale = std::pow(filled * volume * e.kept / (target * ball), 1.0 / e.dim);
     }

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/ball_share.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/pack/front_fraction.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/cull.h"
 
@@ -104,6 +105,25 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
     return result;
 }
 
+/// Scales sizes such that about `target` spheres at random points make the solid fraction asked
+/// for.
+template <int Dim>
+void scaleForRandom(const Run<Dim>& run, const PackRecipe& recipe, double target,
+                    PackOptions& options) {
+    const Domain<Dim>& domain = run.filled();
+    const PackOptions asked = options;
+    const double ball = asked.sizes.meanBall(Dim), wall = domain.wallArea() / domain.volume();
+    double scale = 1;
+    for (int round = 0; round < 3; ++round) {  // what can be reached depends on the sizes
+        const double front = frontFraction<Dim>(
+            scale * asked.sizes.mean(), std::pow(scale, Dim) * ball, wall, recipe.packing.gap);
+        const double after = std::isfinite(recipe.densify.fraction) ? recipe.densify.fraction
+                                                                    : front + kMostGain<Dim>;
+        scale = std::pow(after * domain.volume() / (target * ball), 1.0 / Dim);
+    }
+    scaleSizes(options, asked, scale);
+}
+
 /// Leaves the existing spheres, the first `given`, to the first of several ranks.
 template <int Dim>
 void shareExisting(Run<Dim>& run, std::size_t given, Pack<Dim>& pack) {
@@ -149,7 +169,11 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
     const double target = prepared.requested.targetCount;
     const auto* const holes = recipe.voids.as<FrontHoles>();
     PackResult<Dim> result;
-    if (target > 0 && !scaled)
+    if (recipe.randomStart) {  // `densify` places them
+        if (target > 0 && !scaled)
+            scaleForRandom(run, recipe, target / (run.solid ? 1 : prepared.radii.share), options);
+        result.quantum = std::exp2(std::floor(std::log2(options.sizes.mean()))) * 0x1p-22;
+    } else if (target > 0 && !scaled)
         result = packTarget(run, recipe, target, prepared, options);
     else if (!holes)
         result = packSpheres(run.filled(), options, run.callbacks, existing);
@@ -199,6 +223,7 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const SourcePtr& source,
         DensifyOptions densify = recipe.densify;
         densify.gap = recipe.packing.gap;
         densify.mixSizes = true;
+        densify.random = recipe.randomStart;
         densifyStage(*run, std::move(densify));
     } else if (recipe.settle) {
         settleStage(*run, recipe.packing.gap, recipe.densify.device);
@@ -229,8 +254,10 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const SourcePtr& source,
     constexpr int kMostRounds = 6;  // the last repeats the nearest of the others
     constexpr double kNear = 0.018;
     const double target = prepared.requested.targetCount;
-    const bool foreseen = !recipe.voids.as<FrontHoles>() &&
-                          !(recipe.densify.fraction > 0 && recipe.voids.keepConnected);
+    const bool foreseen =
+        !recipe.voids.as<FrontHoles>() &&
+        !(recipe.densify.fraction > 0 && recipe.voids.keepConnected) &&
+        !(recipe.randomStart && (!recipe.voids.empty() || std::isinf(recipe.densify.fraction)));
     if (!(target > 0) || foreseen || recipe.packing.maxCount > 0)
         return packAndCut(recipe, source, prepared, begun, false, clock, callbacks, options);
     const auto holds = std::make_shared<bool>(true);

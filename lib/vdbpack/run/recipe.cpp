@@ -77,6 +77,22 @@ void checkLocalSizes(const PackRecipe& recipe) {
     checkFactorField(recipe.sizeField);
 }
 
+/// Refuses what spheres at random points cannot be made with.
+void checkRandomStart(const PackRecipe& recipe) {
+    if (!recipe.randomStart) return;
+    if (!(recipe.densify.fraction > 0))
+        throw ParameterError(
+            "`start` random: needs the solid fraction at which to end; add `densify`, such as 0.63 "
+            "or max");
+    const char* const other = !recipe.existing.empty()      ? "existing"
+                              : !recipe.sizeField.empty()   ? "sizeField"
+                              : !recipe.shellRadius.empty() ? "shellRadius"
+                                                            : nullptr;
+    if (other)
+        throw ParameterError(
+            fmt::format("`start` random and `{}` cannot be combined; leave one out", other));
+}
+
 /// Refuses settings of one domain that exclude one another.
 void checkPacking(const PackRecipe& recipe) {
     const bool denser = recipe.densify.fraction > 0;
@@ -93,6 +109,7 @@ void checkPacking(const PackRecipe& recipe) {
             fmt::format("`{}` would move the holes among the spheres of `voids` {}; use voids that "
                         "are cut afterwards, such as boolean",
                         moved, nameOf(recipe.voids)));
+    checkRandomStart(recipe);
     if (recipe.domain.shellFrom == ShellFrom::outer && recipe.voids.as<FrontHoles>())
         throw ParameterError("`shellFrom` outer: `voids` " + nameOf(recipe.voids) +
                              " keep the thickness of the shell from all walls; use voids that are "

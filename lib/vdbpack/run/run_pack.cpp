@@ -159,6 +159,7 @@ void checkRanks(const PackRecipe& recipe) {
     refuse(recipe.densify.fraction > 0 && !recipe.existing.empty(),
            "`densify` around `existing` spheres", alone);
     refuse(recipe.settle && !recipe.existing.empty(), "`settle` around `existing` spheres", alone);
+    refuse(recipe.randomStart, "`start` random", alone);
     refuse(recipe.images, "`images` of a periodic cell", "convert a file that was written");
     refuse(recipe.voids.keepConnected, "`keepConnected`", alone);
     refuse(recipe.voids.as<Thinning>() || recipe.voids.as<FrontHoles>(),

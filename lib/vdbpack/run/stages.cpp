@@ -216,7 +216,6 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
 
 namespace {
 
-/// What the run says of any pack that is relaxed.
 template <int Dim>
 void completeOptions(const Run<Dim>& run, DensifyOptions& options) {
     if (run.sizes) options.sizes = run.sizes->all;
@@ -230,7 +229,8 @@ void completeOptions(const Run<Dim>& run, DensifyOptions& options) {
 
 template <int Dim>
 void densifyStage(Run<Dim>& run, DensifyOptions options) {
-    if (!run.goesOn() || sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()}) == 0) return;
+    const std::uint64_t count = sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()});
+    if (!run.goesOn() || (count == 0 && !options.random)) return;
     completeOptions(run, options);
     densifyPack(run.filled(), std::move(options), run.share.pieces, run.pack, run.report,
                 run.callbacks);
