@@ -19,7 +19,7 @@ constexpr RelaxationPace kPaceOfMost{0.9985, 0.6, 2, 0.004};
 constexpr RelaxationPace kProbe{0.99, 0.25, 3, 0.003, 5};
 constexpr double kGainOfProbe = 0.049, kStrainOfMost = 0.040, kStrainBy = 3.6;
 /// What has jammed all the same is tried again without the fraction that its strain shows, and this
-/// much less, then twice as much, and so on.
+/// much less, a little more from try to try.
 constexpr double kSurely = 1e-3;
 /// A periodic cell is made denser in stages then. Each is tried twice, with further spheres of its
 /// own: which of them jams is chance.
@@ -117,7 +117,7 @@ bool Ascent::climbByStrain(double most) {
     } while (stages_.attempt(goal, {kProbe}) && !isEnded(limit));
     if (isEnded(limit)) return true;
     goal = std::min(limit, goal + (kStrainOfMost - stages_.strain()) / kStrainBy);
-    for (double less = kSurely; goal > stages_.reached(); less *= 2) {
+    for (double less = kSurely; goal > stages_.reached(); less *= 1.3) {
         if (stages_.attempt(goal, {kPaceOfMost}) || stages_.isInterrupted()) break;
         goal -= stages_.strain() / kStrainBy + less;
     }
