@@ -103,5 +103,9 @@ TEST_CASE("random points are refused beside a pack, and where radii have no room
                     ParameterError);
     CHECK_THROWS_AS(densify<3>(*domain, {}, atRandomTo<3>(0, "constant:1")), ParameterError);
     CHECK_THROWS_AS(densify<3>(*domain, {}, atRandomTo<3>(0.5, "")), ParameterError);
-    CHECK_THROWS_AS(densify<3>(*domain, {}, atRandomTo<3>(0.5, "constant:200")), InputError);
+    for (const char* const spec : {"constant:200", "constant:12.2"})
+        CHECK_THROWS_AS(densify<3>(*domain, {}, atRandomTo<3>(0.5, spec)), InputError);
+    const auto slab = boxDomain<3>({{{0, 0, 0}}, {{20, 20, 2}}});
+    CHECK_THROWS_AS(densify<3>(*slab, {}, atRandomTo<3>(0.3, "uniform:1,1.2")), InputError);
+    CHECK(densify<3>(*slab, {}, atRandomTo<3>(0.3, "constant:0.95")).reached);
 }

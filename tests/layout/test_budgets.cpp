@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95044},
+    {"lib", 95054},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2575},
     {"lib/vdbpack/io", 2961},
@@ -32,19 +32,19 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/repair", 2860},
     {"lib/vdbpack/domain", 6982},
     {"lib/vdbpack/pack", 7932},
-    {"lib/vdbpack/densify", 5957},
+    {"lib/vdbpack/densify", 5968},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5668},
     {"lib/vdbpack/voids", 8077},
     {"lib/vdbpack/formats", 10306},
-    {"lib/vdbpack/report", 4057},
+    {"lib/vdbpack/report", 4056},
     {"lib/vdbpack/preview", 3597},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3606},
     {"lib/vdbpack/run", 7630},
     {"tools", 3943},
-    {"tests", 35613},
+    {"tests", 35617},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

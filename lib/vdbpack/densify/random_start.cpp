@@ -5,6 +5,7 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/input_check.h"
 #include "vdbpack/pack/front_fraction.h"
+#include "vdbpack/pack/packer.h"
 #include "vdbpack/pack/radius_pool.h"
 
 #include <fmt/format.h>
@@ -22,6 +23,8 @@ constexpr double kJitter = 2;
 /// The least depth of a center, in radii. Walls push spheres inwards; where these would have to lie
 /// inside at first, thin places would get too few.
 constexpr double kDepth = 0.1;
+/// The largest ball of a domain is found but for this factor.
+constexpr double kRoomError = 1.01;
 /// Points that are tried at a time, and at most for a sphere.
 constexpr std::size_t kPoints = std::size_t{1} << 18, kMostPoints = std::size_t{1} << 24;
 
@@ -69,6 +72,14 @@ std::vector<Sphere<Dim>> randomStart(const Domain<Dim>& domain, const SizeDistri
     RadiusPool radii(sizes, seed ^ 0x72616e646f6dull, 0, 1);
     for (double sum = 0; sum < volume; sum += Measure<Dim>::ball(spheres.back().radius))
         spheres.push_back({{}, radii.draw()});
+    double largest = 0;
+    for (const auto& s : spheres) largest = std::max(largest, s.radius);
+    const double room = largestBall(domain).radius - margin;
+    if (largest > kRoomError * room)
+        throw InputError(
+            fmt::format("densify: a {} of radius {:.6g} mm does not fit into the domain, whose "
+                        "largest one has {:.6g} mm; choose smaller radii",
+                        Measure<Dim>::kSphere, largest, std::max(room, 0.0)));
     EvenPoints<Dim> even(domain.bounds(), seed ^ 0x706c616365ull);
     RandomStream random(seed ^ 0x6a6974746572ull, 0);
     std::size_t placed = 0;
@@ -76,7 +87,7 @@ std::vector<Sphere<Dim>> randomStart(const Domain<Dim>& domain, const SizeDistri
         if (tried >= kMostPoints)
             throw InputError(fmt::format(
                 "densify: of {} random points, none has room for a {} of radius {:.6g} mm; choose "
-                "smaller radii, and check the unit and the clips of the domain",
+                "smaller radii",
                 tried, Measure<Dim>::kSphere, spheres[placed].radius));
         std::vector<Vec<Dim>> points(kPoints);
         for (Vec<Dim>& x : points) {

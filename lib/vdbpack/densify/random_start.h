@@ -13,7 +13,7 @@ namespace vdbpack {
 /// spread evenly over it. They overlap one another and the wall.
 /// @param sizes   mm; the radii follow them as evenly as can be.
 /// @param margin  least distance of their centers from the wall, beside a share of their radii, mm.
-/// @throws InputError where a radius has no room; ResourceError above 2e9 spheres.
+/// @throws InputError where the largest radius has no room; ResourceError above 2e9 spheres.
 template <int Dim>
 std::vector<Sphere<Dim>> randomStart(const Domain<Dim>& domain, const SizeDistribution& sizes,
                                      double volume, double margin, std::uint64_t seed);

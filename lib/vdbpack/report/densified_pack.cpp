@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/clock.h"
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/formats/joined_packs.h"
 #include "vdbpack/measure/bond_order.h"
@@ -102,18 +103,11 @@ void takeColumns(std::vector<Column> columns, std::size_t before, Pack<Dim>& pac
 }
 
 /// Warns if the result differs from the request.
-/// @param random       as in DensifyOptions.
 /// @param crystalline  share of spheres in crystalline order, if there are too many.
 template <int Dim>
-void warnOfResult(const DensifyResult<Dim>& result, double fraction, bool random,
-                  const PeriodicCell<Dim>& cell, std::optional<double> crystalline,
-                  const Callbacks& callbacks) {
-    if (!result.interrupted && !result.apart && random)
-        callbacks.warn(
-            fmt::format("densify: {} at random points were not pushed apart in {} steps; "
-                        "request a lower solid fraction, or smaller radii",
-                        Measure<Dim>::kSpheres, result.steps));
-    else if (!result.interrupted && !result.apart)
+void warnOfResult(const DensifyResult<Dim>& result, double fraction, const PeriodicCell<Dim>& cell,
+                  std::optional<double> crystalline, const Callbacks& callbacks) {
+    if (!result.interrupted && !result.apart)
         callbacks.warn(
             fmt::format("densify: the overlaps of the input {} were not resolved in {} steps; the "
                         "pack is unchanged. There are too many for the domain, or some lie far "
@@ -152,6 +146,11 @@ void densifyPack(const Domain<Dim>& domain, DensifyOptions options,
         options.regions = pack.region;
     }
     auto result = densify(domain, pack.spheres, options, callbacks);
+    if (options.random && !result.apart && !result.interrupted)
+        throw InputError(
+            fmt::format("densify: {} at random points were not pushed apart in {} steps; choose "
+                        "smaller radii, or a front (`start`)",
+                        Measure<Dim>::kSpheres, result.steps));
     const std::size_t before = pack.spheres.size();
     told.random = options.random;
     told.before = result.before;
@@ -183,7 +182,7 @@ void densifyPack(const Domain<Dim>& domain, DensifyOptions options,
     }
     if (!options.local && !result.regions.empty()) pack.region = std::move(result.regions);
     report.interrupted = report.interrupted || result.interrupted;
-    warnOfResult(result, options.fraction, options.random, domain.cell(),
+    warnOfResult(result, options.fraction, domain.cell(),
                  crystallized ? told.solidLike : std::nullopt, callbacks);
     told.seconds = clock.lap();
     report.densified = told;
