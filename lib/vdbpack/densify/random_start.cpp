@@ -23,6 +23,8 @@ constexpr double kJitter = 2;
 /// The least depth of a center, in radii. Walls push spheres inwards; where these would have to lie
 /// inside at first, thin places would get too few.
 constexpr double kDepth = 0.1;
+/// The least depth that a center has after a way inwards, in radii: none in slits.
+constexpr double kLeastRoom = 0.95;
 /// The largest ball of a domain is found but for this factor.
 constexpr double kRoomError = 1.01;
 /// Points that are tried at a time, and at most for a sphere.
@@ -57,6 +59,24 @@ private:
     Box<Dim> bounds_;
     Vec<Dim> step_, share_;
 };
+
+/// The room at a point: the largest depth on the way from the wall through it, up to `way`, mm.
+template <int Dim>
+double roomAt(DomainSampler<Dim>& sampler, const Vec<Dim>& x, double depth, double way) {
+    constexpr int kParts = 4;
+    const double step = 0.05 * way;
+    Vec<Dim> inward;
+    for (int d = 0; d < Dim; ++d) {
+        Vec<Dim> before = x, behind = x;
+        before[d] -= step, behind[d] += step;
+        inward[d] = sampler.signedDistance(before) - sampler.signedDistance(behind);
+    }
+    inward = normalized(inward);
+    double room = depth;
+    for (int k = 1; k <= kParts; ++k)
+        room = std::max(room, -sampler.signedDistance(x + inward * (k * way / kParts)));
+    return room;
+}
 
 }  // namespace
 
@@ -95,12 +115,24 @@ std::vector<Sphere<Dim>> randomStart(const Domain<Dim>& domain, const SizeDistri
             for (int d = 0; d < Dim; ++d)
                 x[d] += kJitter * sizes.mean() * (2 * random.uniform() - 1);
         }
-        const std::vector<double> distances = domain.signedDistances(points);
-        for (std::size_t k = 0; k < kPoints && placed < spheres.size(); ++k)
-            if (-distances[k] >= kDepth * spheres[placed].radius + margin) {
-                spheres[placed++].center = points[k];
-                tried = 0;
+        std::vector<double> depths = domain.signedDistances(points), rooms(kPoints);
+        parallelFor(IndexRange(0, kPoints, 4096), [&](const IndexRange& part) {
+            const auto sampler = domain.sampler();
+            for (std::size_t k = part.begin(); k < part.end(); ++k) {
+                depths[k] = -depths[k];
+                if (depths[k] > 0 && depths[k] < largest + margin)
+                    rooms[k] = roomAt(*sampler, points[k], depths[k], largest + margin);
+                else
+                    rooms[k] = depths[k];
             }
+        });
+        for (std::size_t k = 0; k < kPoints && placed < spheres.size(); ++k) {
+            const double radius = spheres[placed].radius;
+            if (depths[k] < kDepth * radius + margin || rooms[k] < kLeastRoom * radius + margin)
+                continue;
+            spheres[placed++].center = points[k];
+            tried = 0;
+        }
     }
     return spheres;
 }
