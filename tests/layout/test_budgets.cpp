@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95086},
+    {"lib", 95087},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2575},
     {"lib/vdbpack/io", 2961},
@@ -32,7 +32,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/repair", 2860},
     {"lib/vdbpack/domain", 6982},
     {"lib/vdbpack/pack", 7932},
-    {"lib/vdbpack/densify", 6000},
+    {"lib/vdbpack/densify", 6001},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5668},
     {"lib/vdbpack/voids", 8077},

@@ -14,8 +14,9 @@ constexpr std::array<double, 3> kStages{0.02, 0.01, 0.005};
 constexpr RelaxationPace kPaceOfMost{0.9985, 0.6, 2, 0.004};
 /// The way of spheres of different sizes: a quick relaxation by so much more than can be gained
 /// ends with a strain, and this grows by kStrainBy for each unit of solid fraction. The densest
-/// pack is about where it would have been kStrainOfMost: U[1,2] in boxes of 60 to 120 mm, a slab of
-/// 20 mm and a mandible jams from 0.040 to 0.051 on, U[1,4] from 0.043 on.
+/// pack is about where it would have been kStrainOfMost: U[1,2] jams from 0.047 on in boxes of 60
+/// mm and more, from 0.041 in a slab of 20 mm, U[1,4] from 0.040; a slab of 6 mm and a lognormal
+/// distribution from 0.02 to 0.03 on, which costs one or two tries more.
 constexpr RelaxationPace kProbe{0.99, 0.25, 3, 0.003, 5};
 constexpr double kGainOfProbe = 0.049, kStrainOfMost = 0.040, kStrainBy = 3.6;
 /// What has jammed all the same is tried again without the fraction that its strain shows, and this
