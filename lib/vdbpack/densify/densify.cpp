@@ -186,7 +186,7 @@ private:
         constexpr double kFit = 2e-3;
         const double begin = reached();
         for (std::uint64_t turn = 1;; ++turn) {
-            const bool isFirst = turn == 1 && !pace.isProbe();
+            const bool isFirst = turn == 1 && !pace.isProbe;
             const double next = isFirst ? begin + kFirst * (fraction - begin) : fraction;
             local_->insert((next - fractionOf(pack.spheres)) * volume_, *domain_,
                            stage ^ (turn << 48), pack);

@@ -17,10 +17,9 @@ struct RelaxationPace {
     /// is damped: a sphere that overlaps push back keeps less of its velocity. (Sooner, packs jam.)
     double loose = 0.003;
     /// A relaxation that succeeds does so within this many spans of 1 / (1 - inertia) steps.
-    int spans = kSpans;
-    static constexpr int kSpans = 14;
+    int spans = 14;
     /// Whether it is too short to succeed, and tells from what is left how dense a pack can be.
-    bool isProbe() const { return spans < kSpans; }
+    bool isProbe = false;
 };
 
 /// The paces to try for a set of spheres, from quick to thorough.
