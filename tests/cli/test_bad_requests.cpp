@@ -38,7 +38,8 @@ TEST_CASE("radii that cannot be are refused") {
            {"pack ball:9 --radius normal:1,0.1,2,1", 2, "'normal:1,0.1,2,1'"},
            {"pack ball:9 --radius normal:1,-1,1,2", 2, "'normal:1,-1,1,2' deviation"},
            {"pack ball:9 --radius constant:1e300", 2, "1e+300 mm"},
-           {"pack ball:9 --radius 1", 2, "'1' constant:R uniform:A,B psd:FILE"},
+           {"pack ball:9 --radius 1", 2, "--radius '1' constant:R uniform:A,B psd:FILE"},
+           {"pack ball:9 --radius constant:1 --shell 2 --shell-radius 1", 2, "--shell-radius '1'"},
            {"pack ball:9 --radius constant:50", 3, "50 9 mm"},
            {"pack ball:9 --radius uniform:0.001,1", 2, "'uniform:0.001,1' 200"}},
           {});
@@ -100,6 +101,7 @@ TEST_CASE("lengths and shares that cannot be are refused") {
          {"pack ball:9 --density 0", 2, "--density '0' bulk:D"},
          {"pack ball:9 --slice z=50", 3, "z=50 -9 9"},
          {"pack ball:9 --slice z=nan", 2, "'z=nan' z=V"},
+         {"pack ball:9 --slice x=0", 2, "--slice 'x=0' z --rotate"},
          {"pack ball:9 --clip plane:1,0,0,-50", 3, "--clip (-9, 9)"},
          {"pack @ball.obj --clip plane:1,0,0,-50", 3, "clip"},
          {"pack @ball.obj --clip plane:1,0,0,-50 --dry-run", 3, "--clip left mm;"},

@@ -6,6 +6,8 @@
 
 #include "vdbpack/formats/pack_file.h"
 
+#include <fmt/ranges.h>
+
 TEST_CASE("pack --densify reaches the fraction, and its report says how") {
     auto recipe = recipeFor("box:30,30,30", "uniform:1,2");
     const auto before = runPack(recipe);
@@ -183,4 +185,30 @@ TEST_CASE("densify tells what it does not keep") {
     const auto warnings = runDensify(again).report.warnings;
     REQUIRE_FALSE(warnings.empty());
     CHECK_THAT(warnings.front(), Contains("voids"));
+}
+
+TEST_CASE("a solid fraction that the front has, or no pack, is warned of before the work") {
+    auto recipe = recipeFor("ball:9", "uniform:1,2");
+    recipe.densify.fraction = 0.3;
+    CHECK_THAT(fmt::format("{}", fmt::join(warningsOf(recipe), "\n")),
+               Contains("`densify` 0.3") && Contains("`start` random"));
+    recipe.densify.fraction = 0.55;
+    CHECK_THAT(fmt::format("{}", fmt::join(warningsOf(recipe), "\n")), !Contains("hardly"));
+    for (const bool random : {false, true}) {
+        recipe.randomStart = random;
+        recipe.densify.fraction = 0.9;
+        CHECK_THAT(fmt::format("{}", fmt::join(warningsOf(recipe), "\n")), Contains("hardly"));
+    }
+    recipe.densify.fraction = 0.4;
+    recipe.packing.effort = Effort::dense;
+    CHECK_THAT(fmt::format("{}", fmt::join(warningsOf(recipe), "\n")),
+               Contains("`effort` has no effect"));
+}
+
+TEST_CASE("a pack outside of its domain is refused before it is densified") {
+    const TemporaryFolder folder;
+    putContent(folder.file("p.csv"), "x,y,z,radius\n0,0,0,1\n40,0,0,1\n43,0,0,1\n");
+    const auto run = vdbPack("densify " + folder.file("p.csv") + " --domain ball:9 --densify 0.5 --json");
+    CHECK(run.code == 3);
+    CHECK_THAT(run.text, Contains("2 of 3 centers") && Contains("--pack-unit"));
 }

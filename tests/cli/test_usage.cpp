@@ -319,6 +319,8 @@ TEST_CASE("options without effect are reported") {
     CHECK_THAT(
         vdbPack("densify " + folder.file("p.csv") + " --domain ball:5 --json --voxel 0.5").text,
         Contains("--voxel 0.5 has no effect"));
+    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --threshold 9 --dry-run").text,
+               Contains("--threshold 9 has no effect"));
     CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json").text, !Contains("no effect"));
 }
 

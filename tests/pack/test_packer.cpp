@@ -332,3 +332,21 @@ TEST_CASE("a count that no scale of the radii gives is warned of", "[pack]") {
     REQUIRE(warningsFor(3).size() == 1);
     CHECK_THAT(warningsFor(3).front(), Contains("3 spheres") && Contains("4 are nearest"));
 }
+
+TEST_CASE("circles of all sizes are mixed where blocks begin, too") {
+    // Pools of several finished blocks join there, and hold many small radii.
+    const auto sizes = SizeDistribution::parse("uniform:1,2", 2);
+    const double edge = 12, deviation = 1 / std::sqrt(12.0);
+    PackOptions options(sizes);
+    const auto place = [&](double x) { return std::lround(x / edge); };
+    std::map<std::pair<long, long>, std::vector<double>> cells;
+    for (const auto& s : packSpheres(*boxDomain<2>(cube<2>(600)), options).pack.spheres)
+        cells[std::pair(place(s.center[0]), place(s.center[1]))].push_back(s.radius);
+    REQUIRE(cells.size() > 2000);
+    for (const auto& [cell, radii] : cells) {
+        const auto n = static_cast<double>(radii.size());
+        const double mean = std::accumulate(radii.begin(), radii.end(), 0.0) / n;
+        CAPTURE(cell.first, cell.second, n);
+        CHECK(std::fabs(mean - sizes.mean()) < 5 * deviation / std::sqrt(n));
+    }
+}

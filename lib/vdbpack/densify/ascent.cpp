@@ -121,9 +121,10 @@ bool Ascent::climbByStrain(double most) {
     } while (stages_.attempt(goal, {kProbe}) && !isEnded(limit));
     if (isEnded(limit)) return true;
     goal = std::min(limit, goal + (kStrainOfMost - stages_.strain()) / kStrainBy);
+    std::vector<RelaxationPace> paces{kQuickPaceOfMost, kPaceOfMost};
+    if (setting_.isInCell) paces.erase(paces.begin());  // its stages end higher then
     for (double less = kSurely; goal > stages_.reached(); less *= 1.3) {
-        if (stages_.attempt(goal, {kQuickPaceOfMost, kPaceOfMost}) || stages_.isInterrupted())
-            break;
+        if (stages_.attempt(goal, paces) || stages_.isInterrupted()) break;
         goal -= stages_.strain() / kStrainBy + less;
     }
     return stages_.reached() > begin;

@@ -244,6 +244,10 @@ FieldOptions DomainSource::fieldOptions(double minRadius, double maxRadius,
     return options;
 }
 
+bool DomainSource::isWatertight() const {
+    return analysis_ && analysis_->health.isWatertight();
+}
+
 FieldPlan DomainSource::plan(double minRadius, double maxRadius, double voxelSize) const {
     FieldPlan plan;
     if (!mesh_) return plan;

@@ -76,6 +76,8 @@ public:
     bool isFile() const { return mesh_ != nullptr; }
     bool hasCavities() const;  ///< closed components of the surface inside others
     const SharedMesh& mesh() const { return mesh_; }  ///< null: a shape
+    /// Whether each edge of `mesh()` joins two triangles.
+    bool isWatertight() const;
     /// That `mesh()` is the contour of; null: it is none.
     const std::shared_ptr<const VdbGrid>& levelSet() const { return levelSet_; }
     const Box<3>& fileBounds() const { return fileBounds_; }

@@ -106,6 +106,9 @@ Clip parseClip(const std::string& text) {
 
 double parseSlice(const std::string& text) {
     const std::string what = fmt::format("`slice` '{}'", text);
+    if (text.rfind("x=", 0) == 0 || text.rfind("y=", 0) == 0)
+        throw ParameterError(what +
+                             ": a slice is a plane z = V; turn the domain with `rotate` first");
     if (text.rfind("z=", 0) != 0) malformed(what, "z=V");
     const auto v = numbersIn(what, text.substr(2), "z=V");
     if (v.size() != 1) malformed(what, "z=V");

@@ -111,9 +111,11 @@ std::optional<ImageGrid> labelGridOf(const std::vector<OutputTarget>& outputs,
                                      double limit) {
     const OutputTarget* output = labelOutput(outputs);
     if (!output) return std::nullopt;
-    if (sources.empty() || sources.front()->dim() != 3)
+    if (sources.empty())
         throw ParameterError(output->text +
-                             ": label maps need a 3D domain; set `domain`, or leave it out");
+                             ": the voxels of a label map are those of a domain; set `domain`");
+    if (sources.front()->dim() != 3)
+        throw ParameterError(output->text + ": label maps need a 3D domain; leave this output out");
     const ImageGrid grid = chosenGrid(output->text, sources);
     const double bytes = 5 * static_cast<double>(grid.voxels());
     if (residentMemory() + bytes > memoryLimit(limit))

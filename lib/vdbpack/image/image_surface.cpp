@@ -363,8 +363,8 @@ void warnOfVolume(const TriangleMesh& mesh, const ImageGrid& grid, std::size_t v
     if (std::fabs(volume - right) > kMost * right)
         callbacks.warn(fmt::format(
             "{}: the surface encloses {:.5g} mm³, its {} voxels {:.5g} mm³ ({:+.0f} %): it has "
-            "parts as thin as a voxel; give smaller voxels, or values of 0 and 1, which keep the "
-            "volume of the voxels",
+            "parts as thin as a voxel. Resample the image to smaller voxels, or make a label map, "
+            "whose surface keeps the volume of its voxels",
             what, volume, voxels, right, 100 * (volume / right - 1)));
 }
 

@@ -46,7 +46,11 @@ void sizesOption(OptionList& rows, const char* name, SizeRequest& sizes, std::st
             name, "SPEC", std::move(help),
             [&sizes, name](const std::string& text) {
                 if (text.empty()) throw ParameterError(optionName(name) + ": must not be empty");
-                sizes = SizeRequest::parse(text);
+                try {
+                    sizes = SizeRequest::parse(text);
+                } catch (const ParameterError& error) {
+                    throw ParameterError("`" + std::string(name) + "`: " + error.what());
+                }
             },
             [&sizes] { return sizes.spec(); })
         .naming(FileIn::sizes);

@@ -94,7 +94,7 @@ public:
                 expectedOf_.empty() || options_.pending > 0
                     ? pending
                     : pendingOfGroup(pending, expectedOf_[g]),
-                groups_[g].wideRadius - (options_.local.any() ? shellOf(options_) : 0));
+                groups_[g].wideRadius - (options_.local.any() ? shellOf(options_) : 0), Dim == 2);
         return true;
     }
 

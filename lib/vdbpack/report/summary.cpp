@@ -37,7 +37,7 @@ void addDomain(Summary& out, const Report& r, const DimensionWords& words) {
     std::string text = d.kind;
     if (d.triangles > 0) text += fmt::format(", {} triangles", grouped(d.triangles));
     text += fmt::format(", {} {:.6g} {}", words.volume, r.volume, words.volumeUnit);
-    if (d.meshVolume > 0) text += fmt::format(" (mesh: {:.6g})", d.meshVolume);
+    if (d.meshVolume > 0) text += fmt::format(" (whole mesh: {:.6g} mm³)", d.meshVolume);
     text += fmt::format(", wall {:.6g} {}", r.area, words.wallUnit);
     out.line("domain", text);
     if (d.voxelSize > 0)

@@ -76,6 +76,7 @@ void addPart(PackPlan& all, const PackPlan& part) {
 PackPlan planParts(const PackRecipe& recipe, Parts& parts, std::string& sizes,
                    const Callbacks& callbacks) {
     if (parts.size() == 1) {
+        warnOfUnused(parts[0].recipe.domain, *parts[0].source, callbacks);
         PackPlan one = planWithin(parts[0].recipe, *parts[0].source);
         sizes = sizesOf(one);
         return one;

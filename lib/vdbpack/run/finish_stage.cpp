@@ -140,7 +140,7 @@ void write(Run<Dim>& run) {
     if (have.pack)
         keepDensities(run.pack, run.pack.spheres.size(), have.options.particleDensity,
                       have.options.materialDensity);
-    if (have.pack) warnOfLostOrigin(outputs, run.pack.origin, run.callbacks);
+    if (have.pack) warnOfLostOrigin(outputs, run.pack.origin, run.pack.cell.any(), run.callbacks);
     warnOfModuli(run.pack, bonds.law, run.callbacks);
     warnOfBondLaw(bonds.law, run.callbacks);
     if (have.pack && !run.ranks()) report.materials = materialsOf(run.pack);

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -31,35 +32,42 @@ constexpr double kWeak = 0.5, kFew = 4;
 /// Largest gap, in smaller radii, of pairs that are sought as bonds of an interface.
 constexpr double kFar = 1;
 
-/// The area of `wall` just outside of which `other` lies, mm².
-double commonArea(const TriangleMesh& wall, const MeshSides& other) {
-    const auto corner = [&](std::size_t t, std::size_t k) {
-        return wall.vertices[wall.triangles[t][k]];
-    };
-    std::vector<double> ends;
-    double total = 0;
-    for (std::size_t t = 0; t < wall.triangles.size(); ++t) {
-        const Vec<3> a = corner(t, 0);
-        total += 0.5 * length(cross(corner(t, 1) - a, corner(t, 2) - a));
-        ends.push_back(total);
+/// Points just outside of the wall of a part, spread evenly over it.
+struct WallPoints {
+    std::vector<Vec<3>> points;
+    double area = 0;  ///< of the wall, mm²
+
+    explicit WallPoints(const TriangleMesh& wall) : points(kWallPoints) {
+        const auto corner = [&](std::size_t t, std::size_t k) {
+            return wall.vertices[wall.triangles[t][k]];
+        };
+        std::vector<double> ends;
+        for (std::size_t t = 0; t < wall.triangles.size(); ++t) {
+            const Vec<3> a = corner(t, 0);
+            area += 0.5 * length(cross(corner(t, 1) - a, corner(t, 2) - a));
+            ends.push_back(area);
+        }
+        forAll(kWallPoints, [&](std::size_t n) {
+            const double at = (static_cast<double>(n) + 0.5) / kWallPoints * area;
+            const auto t = static_cast<std::size_t>(
+                std::upper_bound(ends.begin(), ends.end() - 1, at) - ends.begin());
+            const Vec<3> a = corner(t, 0), ab = corner(t, 1) - a, ac = corner(t, 2) - a;
+            const Vec<3> across = cross(ab, ac);
+            RandomStream random(0, n);
+            const double u = std::sqrt(random.uniform()), v = u * random.uniform();
+            const double twice = std::max(length(across), std::numeric_limits<double>::min());
+            points[n] = a + ab * (u - v) + ac * v + across * (kOutside / std::sqrt(twice));
+        });
     }
-    std::vector<std::uint8_t> common(kWallPoints);
-    parallelFor(std::size_t(0), kWallPoints, [&](std::size_t n) {
-        const double at = (static_cast<double>(n) + 0.5) / kWallPoints * total;
-        const auto t = static_cast<std::size_t>(std::upper_bound(ends.begin(), ends.end() - 1, at) -
-                                                ends.begin());
-        const Vec<3> a = corner(t, 0), ab = corner(t, 1) - a, ac = corner(t, 2) - a;
-        const Vec<3> across = cross(ab, ac);
-        const double twice = length(across);
-        if (!(twice > 0)) return;
-        RandomStream random(0, n);
-        const double u = std::sqrt(random.uniform()), v = u * random.uniform();
-        const Vec<3> x = a + ab * (u - v) + ac * v;
-        common[n] = other.inside(x + across * (kOutside / std::sqrt(twice)));
-    });
-    const auto found = std::count(common.begin(), common.end(), std::uint8_t{1});
-    return total * static_cast<double>(found) / kWallPoints;
-}
+
+    /// The area where another part lies there, mm².
+    double areaIn(const MeshSides& other) const {
+        std::vector<std::uint8_t> common(points.size());
+        forAll(points.size(), [&](std::size_t n) { common[n] = other.inside(points[n]); });
+        const auto found = std::count(common.begin(), common.end(), std::uint8_t{1});
+        return area * static_cast<double>(found) / kWallPoints;
+    }
+};
 
 /// Pairs of spheres, and their lengths together.
 struct Joined {
@@ -244,7 +252,7 @@ void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,
 }
 
 void warnOfLostOrigin(const std::vector<OutputTarget>& outputs, const PackOrigin& origin,
-                      const Callbacks& callbacks) {
+                      bool isPeriodic, const Callbacks& callbacks) {
     const auto find = [&](bool isTable) {
         return std::find_if(outputs.begin(), outputs.end(), [&](const OutputTarget& output) {
             return output.kind == OutputKind::pack && (output.extension() == ".csv") == isTable;
@@ -253,6 +261,7 @@ void warnOfLostOrigin(const std::vector<OutputTarget>& outputs, const PackOrigin
     const auto table = find(true);
     if (table == outputs.end() || find(false) != outputs.end()) return;
     std::vector<std::string> lost;
+    if (isPeriodic) lost.push_back("the periodic cell (`domain`)");
     if (origin.contactTolerance > StiffnessRecipe().contactTolerance)
         lost.push_back(fmt::format("`contactTolerance` {:g}", origin.contactTolerance));
     if (origin.interfaceTolerance > origin.contactTolerance)
@@ -311,6 +320,7 @@ void measureInterfaces(const Parts& parts, Run<3>& all) {
                         all.settings.bonds.interfaceTolerance > 0 ||
                         std::any_of(outputs.begin(), outputs.end(),
                                     [](const OutputTarget& output) { return output.listsPairs(); });
+    std::vector<std::optional<WallPoints>> walls(parts.size());
     for (std::size_t k = 0; k + 1 < parts.size(); ++k) {
         const auto& inner = parts[k].source->mesh();
         std::optional<MeshSides> sides;
@@ -320,9 +330,10 @@ void measureInterfaces(const Parts& parts, Run<3>& all) {
                 intersection(parts[k].source->domainBounds(), parts[l].source->domainBounds())
                     .empty())
                 continue;
-            if (!sides) sides.emplace(*inner, false);
+            if (!sides) sides.emplace(inner, parts[k].source->isWatertight());
+            if (!walls[l]) walls[l].emplace(*wall);
             InterfaceReport one;
-            one.area = commonArea(*wall, *sides);
+            one.area = walls[l]->areaIn(*sides);
             if (!(one.area > 0)) continue;
             const auto partAt = [](std::size_t n) { return static_cast<std::int32_t>(n); };
             const PartPair two{partAt(k), partAt(l)};

@@ -23,10 +23,10 @@ std::vector<MaterialReport> materialsOf(const PackAttributes& pack);
 void warnOfUnusedBonds(const PackAttributes& pack, const PackOrigin& origin,
                        const BondOptions& options, const Callbacks& callbacks);
 
-/// Warns of tolerances and the shear ratio of bonds that a .csv does not hold, where no other file
-/// of the run does.
+/// Warns of the periodic cell, tolerances and the shear ratio of bonds that a .csv does not hold,
+/// where no other file of the run does.
 void warnOfLostOrigin(const std::vector<OutputTarget>& outputs, const PackOrigin& origin,
-                      const Callbacks& callbacks);
+                      bool isPeriodic, const Callbacks& callbacks);
 
 /// Warns of parts of a pack that hardly any of its bonds or contacts joins to others.
 template <class Pair>

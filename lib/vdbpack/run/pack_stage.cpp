@@ -105,6 +105,47 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
     return result;
 }
 
+/// The solid fraction that a front of scaled sizes would have.
+template <int Dim>
+double frontOf(const Domain<Dim>& domain, const SizeDistribution& sizes, double scale, double gap) {
+    return frontFraction<Dim>(scale * sizes.mean(), std::pow(scale, Dim) * sizes.meanBall(Dim),
+                              domain.wallArea() / domain.volume(), gap);
+}
+
+/// Warns of a solid fraction that packs of these sizes do not have.
+/// @param front  the front's, or what it would be.
+template <int Dim>
+void warnOfFraction(const Run<Dim>& run, const PackRecipe& recipe, double front) {
+    constexpr double kMost = Dim == 3 ? 1.12 : 1.15;  // times the front's; of equal spheres 1.07
+    const double asked = recipe.densify.fraction;
+    if (!std::isfinite(asked) || run.report.interrupted) return;
+    if (asked > kMost * front)
+        run.callbacks.warn(fmt::format(
+            "`densify` {:g}: {} of these sizes hardly fill more than {:.2f} here; the densest pack "
+            "is sought, which takes as long as `densify` max",
+            asked, Measure<Dim>::kSpheres, kMost * front));
+    else if (asked < front && !recipe.randomStart)
+        run.callbacks.warn(fmt::format(
+            "`densify` {:g}: the front has {:.4g} already, and nothing is removed; `start` random "
+            "and `gap` give looser packs",
+            asked, front));
+}
+
+/// Warns of settings of a front where there is none.
+void warnOfNoFront(const PackOptions& options, const Callbacks& callbacks) {
+    const PackOptions usual(options.sizes);
+    const std::pair<const char*, bool> settings[] = {
+        {"order", options.order != usual.order},
+        {"effort", options.effort != usual.effort},
+        {"evenSizes", options.evenSizes != usual.evenSizes},
+        {"pending", options.pending > 0},
+        {"blockSide", options.blockSide > 0}};
+    for (const auto& [name, isSet] : settings)
+        if (isSet)
+            callbacks.warn(
+                fmt::format("`{}` has no effect with `start` random, which has no front", name));
+}
+
 /// Scales sizes such that about `target` spheres at random points make the solid fraction asked
 /// for.
 template <int Dim>
@@ -112,11 +153,10 @@ void scaleForRandom(const Run<Dim>& run, const PackRecipe& recipe, double target
                     PackOptions& options) {
     const Domain<Dim>& domain = run.filled();
     const PackOptions asked = options;
-    const double ball = asked.sizes.meanBall(Dim), wall = domain.wallArea() / domain.volume();
+    const double ball = asked.sizes.meanBall(Dim);
     double scale = 1;
     for (int round = 0; round < 3; ++round) {  // what can be reached depends on the sizes
-        const double front = frontFraction<Dim>(
-            scale * asked.sizes.mean(), std::pow(scale, Dim) * ball, wall, recipe.packing.gap);
+        const double front = frontOf(domain, asked.sizes, scale, recipe.packing.gap);
         const double after = std::isfinite(recipe.densify.fraction) ? recipe.densify.fraction
                                                                     : front + kMostGain<Dim>;
         scale = std::pow(after * domain.volume() / (target * ball), 1.0 / Dim);
@@ -224,6 +264,12 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const SourcePtr& source,
         densify.gap = recipe.packing.gap;
         densify.mixSizes = true;
         densify.random = recipe.randomStart;
+        if (recipe.randomStart) warnOfNoFront(options, run->callbacks);
+        if (!run->ranks() && recipe.existing.empty())
+            warnOfFraction(*run, recipe,
+                           recipe.randomStart
+                               ? frontOf(run->filled(), options.sizes, 1, recipe.packing.gap)
+                               : solidFraction(run->pack.spheres, run->filled()));
         densifyStage(*run, std::move(densify));
     } else if (recipe.settle) {
         settleStage(*run, recipe.packing.gap, recipe.densify.device);

@@ -1,6 +1,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/pack/packer.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
@@ -102,16 +103,20 @@ void warnOfSizes(const Run<Dim>& run, double largest) {
     const Report& report = run.report;
     if (report.interrupted || run.cuts() || report.existing > 0) return;
     const char* spheres = Measure<Dim>::kSpheres;
+    const auto room = [&] {
+        return run.ranks() ? std::string()
+                           : fmt::format(" (at most {:.4g} mm)", largestBall(run.filled()).radius);
+    };
     if (report.requestedGap == 0 && report.solidFractionTotal.value_or(1) < kLeastSolid)
         run.callbacks.warn(fmt::format(
             "the {} fill only {} of the domain, since those of up to {:.3g} mm hardly fit. Give a "
-            "smaller largest radius",
-            spheres, percent(*report.solidFractionTotal), largest));
+            "smaller largest radius{}",
+            spheres, percent(*report.solidFractionTotal), largest, room()));
     else if (report.ks.value_or(0) > kOtherRadii && report.count >= kEnough)
         run.callbacks.warn(fmt::format(
             "the radii are not those requested (Kolmogorov-Smirnov distance {:.2g}): {} of up to "
-            "{:.3g} mm found room in few places. Give a smaller largest radius",
-            *report.ks, spheres, largest));
+            "{:.3g} mm found room in few places. Give a smaller largest radius{}",
+            *report.ks, spheres, largest, room()));
 }
 
 template <int Dim>

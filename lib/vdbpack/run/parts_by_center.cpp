@@ -63,7 +63,8 @@ Parts partsByCenter(PackRecipe& recipe, const Callbacks& callbacks) {
 void takeCenters(const Parts& parts, Run<3>& run) {
     const std::vector<Sphere<3>>& spheres = run.pack.spheres;
     std::vector<MeshSides> sides;
-    for (const Part& part : parts) sides.emplace_back(*part.source->mesh(), false);
+    for (const Part& part : parts)
+        sides.emplace_back(part.source->mesh(), part.source->isWatertight());
     std::vector<double> of(spheres.size());
     parallelFor(std::size_t(0), spheres.size(), [&](std::size_t i) {
         of[i] = static_cast<double>(partAt(sides, spheres[i].center, spheres[i].radius));

@@ -71,7 +71,7 @@ RunResult runCarve(const CarveRecipe& asked, const Callbacks& callbacks) {
     if (recipe.voids.empty() && !recipe.voids.hasShell())
         throw ParameterError(
             "there is nothing to cut; set how `voids` are made (grid, overlay, concentric, "
-            "threshold, boolean or list:FILE)");
+            "threshold, boolean, foam or list:FILE)");
     auto inputs = voidInputs(recipe.voids);
     for (auto& file : inputFiles(recipe)) inputs.push_back(std::move(file));
     refuseInterfaces(recipe);

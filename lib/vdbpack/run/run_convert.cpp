@@ -68,9 +68,10 @@ void notePairs(const ConvertRecipe& recipe, const Pack<3>& pack, const BondOptio
 }
 
 /// Notes the density that files for LAMMPS take where none is known, and the modulus of bonds;
-/// warns of names of parts, and axes, that a .csv does not hold.
-void noteMissing(const ConvertRecipe& recipe, const PackAttributes& pack, const PackOrigin& origin,
-                 ConvertResult& result, const Callbacks& callbacks) {
+/// warns of what a .csv does not hold.
+template <int Dim>
+void noteMissing(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResult& result,
+                 const Callbacks& callbacks) {
     warnOfDensity(recipe.density, "", callbacks);
     for (const OutputTarget& output : recipe.outputs)
         if (output.kind == OutputKind::pack &&
@@ -79,7 +80,7 @@ void noteMissing(const ConvertRecipe& recipe, const PackAttributes& pack, const 
             callbacks.warn(fmt::format(
                 "{}: holds neither the names of the parts ({}) nor axes; .vtp and .vdb keep them",
                 output.file, fmt::join(partNames(pack), ", ")));
-    warnOfLostOrigin(recipe.outputs, origin, callbacks);
+    warnOfLostOrigin(recipe.outputs, pack.origin, pack.cell.any(), callbacks);
     const bool isStated = columnOfNumbers(pack, kDensityColumn) || columnOfNumbers(pack, "density");
     const auto hasMasses = [](const OutputTarget& output) {
         return output.kind == OutputKind::materials ||
@@ -154,7 +155,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.hash = packHash(pack);
     addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
     keepDensities(pack, pack.spheres.size(), write.particleDensity, write.materialDensity);
-    noteMissing(recipe, pack, pack.origin, result, callbacks);
+    noteMissing(recipe, pack, result, callbacks);
     if constexpr (Dim == 3) notePairs(recipe, pack, write.bonds, result, callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
     PreviewOptions preview = recipe.preview;

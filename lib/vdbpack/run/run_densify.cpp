@@ -17,6 +17,20 @@ namespace {
 template <int Dim>
 constexpr double kOfVoids = Dim == 3 ? 0.45 : 0.65;
 
+/// Refuses a pack most of which lies outside of the domain, such as one in another unit: to push
+/// its spheres together across the wall takes long, and is in vain.
+template <int Dim>
+void requireInside(const Pack<Dim>& pack, const Domain<Dim>& domain, const std::string& file) {
+    const std::vector<double> distances = domain.signedDistances(centersOf(pack));
+    const auto outside =
+        std::count_if(distances.begin(), distances.end(), [](double d) { return d > 0; });
+    if (2 * static_cast<std::size_t>(outside) > distances.size())
+        throw InputError(fmt::format(
+            "{}: {} of {} centers lie outside of the domain; check that the pack belongs to it, "
+            "and `unit` and `packUnit`",
+            file, outside, distances.size()));
+}
+
 template <int Dim>
 RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     requireRoomToNumber(run.pack, recipe.pack);
@@ -38,6 +52,7 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     const PeriodicCell<Dim> stated = run.pack.cell;
     domainStage(run, extent, detail, reach);
     warnOfOtherCell(recipe.pack, stated, recipe.domain, run.domain(), run.callbacks);
+    requireInside(run.pack, run.domain(), recipe.pack);
     requireOneBody(run.pack, run.domain(), recipe.pack, "densify");
     const double fraction = solidFraction(run.pack.spheres, run.domain());
     if (fraction < kOfVoids<Dim> && recipe.densify.fraction > fraction)

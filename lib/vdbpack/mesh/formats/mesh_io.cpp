@@ -46,6 +46,15 @@ constexpr double kLargest = 1e9;
         throw InputError(path +
                          ": is an image of a format that is not read; convert it to .nii.gz, "
                          ".nrrd or .mha, and set `threshold` or `label`");
+    if (extension == ".raw" || extension == ".zraw")
+        throw InputError(path +
+                         ": holds the pixels of an image without their number and size; give the "
+                         "header beside it (.mhd, .nhdr)");
+    static const std::set<std::string> kPacks{".csv", ".data", ".dump", ".lammpstrj", ".xyz"};
+    if (kPacks.count(extension) > 0)
+        throw InputError(path +
+                         ": is a table or a pack, and no mesh; a pack is read as `existing`, or by "
+                         "densify, carve, measure and convert");
     if (extension.empty() || extension == ".toml") requireThere(path);
     if (extension == ".toml")
         throw InputError(path + ": holds options (`config`) or parts (`parts`) and no mesh");
