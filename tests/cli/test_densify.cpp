@@ -208,7 +208,8 @@ TEST_CASE("a solid fraction that the front has, or no pack, is warned of before 
 TEST_CASE("a pack outside of its domain is refused before it is densified") {
     const TemporaryFolder folder;
     putContent(folder.file("p.csv"), "x,y,z,radius\n0,0,0,1\n40,0,0,1\n43,0,0,1\n");
-    const auto run = vdbPack("densify " + folder.file("p.csv") + " --domain ball:9 --densify 0.5 --json");
+    const auto run =
+        vdbPack("densify " + folder.file("p.csv") + " --domain ball:9 --densify 0.5 --json");
     CHECK(run.code == 3);
     CHECK_THAT(run.text, Contains("2 of 3 centers") && Contains("--pack-unit"));
 }

@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3610},
     {"lib/vdbpack/run", 7710},
     {"tools", 3943},
-    {"tests", 35667},
+    {"tests", 35668},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;
