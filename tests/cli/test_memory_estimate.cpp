@@ -153,6 +153,14 @@ TEST_CASE("a clip leaves the volume that is reported") {
     CHECK(DomainSource(recipe).left().volume == Approx(whole.volume / 4).epsilon(0.04));
     recipe.clips = {parseClip("plane:1,0,0,-50")};
     CHECK_THROWS_AS(DomainSource(recipe).left().volume, InputError);
+    recipe.clips.clear();
+    recipe.slice = 7.2;  // a disc of radius 9.6
+    const double circle = 2 * std::acos(-1.0) * 9.6;
+    CHECK(DomainSource(recipe).left().volume == Approx(circle * 4.8).epsilon(0.03));
+    CHECK(DomainSource(recipe).left().area == Approx(circle).epsilon(0.02));
+    recipe.clips = {parseClip("plane:1,0,0,0")};
+    CHECK(DomainSource(recipe).left().volume == Approx(circle * 2.4).epsilon(0.03));
+    CHECK(DomainSource(recipe).left().area == Approx(circle / 2 + 19.2).epsilon(0.04));
 }
 
 TEST_CASE("a request beyond all memory is refused at once with its parts") {

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95212},
+    {"lib", 95223},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2575},
     {"lib/vdbpack/io", 2961},
@@ -30,7 +30,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/image", 5708},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2860},
-    {"lib/vdbpack/domain", 6991},
+    {"lib/vdbpack/domain", 7007},
     {"lib/vdbpack/pack", 7947},
     {"lib/vdbpack/densify", 6007},
     {"lib/vdbpack/bonds", 696},
@@ -42,9 +42,9 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3610},
-    {"lib/vdbpack/run", 7710},
+    {"lib/vdbpack/run", 7705},
     {"tools", 3943},
-    {"tests", 35668},
+    {"tests", 35676},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -4,6 +4,7 @@
 #include "vdbpack/domain/domain_source.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
+#include "vdbpack/verify/wall_shape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,13 +50,25 @@ double areaIn(const std::vector<HalfSpace<3>>& clips, const TriangleMesh& mesh) 
     return area;
 }
 
+/// The length of the outline of a slice, mm.
+double outlineAt(double height, const std::vector<HalfSpace<3>>& clips, const TriangleMesh& mesh) {
+    double sum = 0;
+    for (const WallPiece<2>& s : sliceSegments(mesh, height)) {
+        const Vec<2> middle = 0.5 * (s[0] + s[1]);
+        if (depthIn(clips, {{middle[0], middle[1], height}}) >= 0) sum += length(s[1] - s[0]);
+    }
+    return sum;
+}
+
 }  // namespace
 
 DomainSource::Left DomainSource::left(bool byParts) const {
     if (!mesh_) return {volume(), 0};
     const std::size_t others = byParts ? outsides_.size() : 0;
-    if (clips_.empty() && others == 0) return {fileVolume(), analysis_->health.area};
-    const Box<3> box = narrowed(fileBounds_, clips_);
+    if (clips_.empty() && others == 0 && !recipe_.slice)
+        return {fileVolume(), analysis_->health.area};
+    Box<3> box = narrowed(fileBounds_, clips_);
+    if (recipe_.slice) box.lo[2] = box.hi[2] = *recipe_.slice;
     if (box.empty()) throw nothingLeft(fileBounds_);
     std::vector<MeshSides> sides;
     const auto add = [&](const DomainSource& source) {
@@ -74,9 +87,12 @@ DomainSource::Left DomainSource::left(bool byParts) const {
         ++inside;
         if (depth < layer) ++atCut;
     }
-    const double each = box.volume() / static_cast<double>(kVolumePoints);
+    const Vec<3> size = box.size();
+    const double each = size[0] * size[1] * (recipe_.slice ? 1 : size[2]) / kVolumePoints;
     // What no point has found may still be there.
-    return {each * std::max(inside, 0.5), each * atCut / layer + areaIn(clips_, *mesh_)};
+    return {each * std::max(inside, 0.5),
+            each * atCut / layer + (recipe_.slice ? outlineAt(*recipe_.slice, clips_, *mesh_)
+                                                  : areaIn(clips_, *mesh_))};
 }
 
 }  // namespace vdbpack

@@ -111,11 +111,11 @@ public:
     /// The field that `build` would make.
     FieldPlan plan(double minRadius, double maxRadius, double voxelSize = 0) const;
     struct Left {
-        double volume = 0;  ///< mm³
+        double volume = 0;  ///< mm³; of a slice its area, mm²
         double area = 0;    ///< of walls, with those that clips cut, of files only, mm²
     };
-    /// The volume of a shape, or about what clips leave of a file (not of its slice), by points
-    /// spread over it.
+    /// The volume of a shape, or about what clips and slices leave of a file, by points spread over
+    /// it.
     /// @param byParts  whether `cutBy` takes its share of the volume, too.
     Left left(bool byParts = true) const;
 

@@ -307,11 +307,6 @@ Extent extentOf(const DomainSource& source, double detail, double reach, double 
             e.boxVolume = built.space->bounds().volume();
             e.shapeVoxel = shapeVoxelSize(built.space->bounds());
         }
-    } else if (e.dim == 2) {
-        // The slice is not known yet: at most its rectangle.
-        const Vec<3> size = source.fileBounds().size();
-        e.volume = size[0] * size[1];
-        e.area = 2 * (size[0] + size[1]);
     } else {
         const auto left = source.left();
         e.volume = left.volume;
