@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95223},
+    {"lib", 95221},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2575},
     {"lib/vdbpack/io", 2961},
@@ -32,7 +32,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/repair", 2860},
     {"lib/vdbpack/domain", 7007},
     {"lib/vdbpack/pack", 7947},
-    {"lib/vdbpack/densify", 6007},
+    {"lib/vdbpack/densify", 6008},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5668},
     {"lib/vdbpack/voids", 8077},
@@ -42,7 +42,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3610},
-    {"lib/vdbpack/run", 7705},
+    {"lib/vdbpack/run", 7702},
     {"tools", 3943},
     {"tests", 35676},
 };

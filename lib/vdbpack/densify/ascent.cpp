@@ -121,8 +121,9 @@ bool Ascent::climbByStrain(double most) {
     } while (stages_.attempt(goal, {kProbe}) && !isEnded(limit));
     if (isEnded(limit)) return true;
     goal = std::min(limit, goal + (kStrainOfMost - stages_.strain()) / kStrainBy);
-    std::vector<RelaxationPace> paces{kQuickPaceOfMost, kPaceOfMost};
-    if (setting_.isInCell) paces.erase(paces.begin());  // its stages end higher then
+    // The stages of a cell end higher after the slower pace.
+    std::vector<RelaxationPace> paces{kPaceOfMost};
+    if (!setting_.isInCell) paces.insert(paces.begin(), kQuickPaceOfMost);
     for (double less = kSurely; goal > stages_.reached(); less *= 1.3) {
         if (stages_.attempt(goal, paces) || stages_.isInterrupted()) break;
         goal -= stages_.strain() / kStrainBy + less;

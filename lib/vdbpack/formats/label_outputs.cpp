@@ -113,7 +113,7 @@ std::optional<ImageGrid> labelGridOf(const std::vector<OutputTarget>& outputs,
     if (!output) return std::nullopt;
     if (sources.empty())
         throw ParameterError(output->text +
-                             ": the voxels of a label map are those of a domain; set `domain`");
+                             ": a label map covers a domain, and there is none; set `domain`");
     if (sources.front()->dim() != 3)
         throw ParameterError(output->text + ": label maps need a 3D domain; leave this output out");
     const ImageGrid grid = chosenGrid(output->text, sources);

@@ -45,8 +45,8 @@ void sizesOption(OptionList& rows, const char* name, SizeRequest& sizes, std::st
     rows.custom(
             name, "SPEC", std::move(help),
             [&sizes, name](const std::string& text) {
-                if (text.empty()) throw ParameterError(optionName(name) + ": must not be empty");
                 try {
+                    if (text.empty()) throw ParameterError("must not be empty");
                     sizes = SizeRequest::parse(text);
                 } catch (const ParameterError& error) {
                     throw ParameterError("`" + std::string(name) + "`: " + error.what());

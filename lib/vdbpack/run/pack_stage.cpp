@@ -134,12 +134,9 @@ void warnOfFraction(const Run<Dim>& run, const PackRecipe& recipe, double front)
 /// Warns of settings of a front where there is none.
 void warnOfNoFront(const PackOptions& options, const Callbacks& callbacks) {
     const PackOptions usual(options.sizes);
-    const std::pair<const char*, bool> settings[] = {
-        {"order", options.order != usual.order},
-        {"effort", options.effort != usual.effort},
-        {"evenSizes", options.evenSizes != usual.evenSizes},
-        {"pending", options.pending > 0},
-        {"blockSide", options.blockSide > 0}};
+    const std::pair<const char*, bool> settings[] = {{"order", options.order != usual.order},
+                                                     {"effort", options.effort != usual.effort},
+                                                     {"blockSide", options.blockSide > 0}};
     for (const auto& [name, isSet] : settings)
         if (isSet)
             callbacks.warn(
