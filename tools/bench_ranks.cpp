@@ -103,15 +103,13 @@ public:
     explicit Schedule(const BlockLattice<3>& lattice)
         : lattice_(lattice), successors_(lattice.size()), before_(lattice.size()) {
         for (std::uint32_t b = 0; b < lattice.size(); ++b) {
-            std::vector<std::uint32_t> lower = lattice.poolDonors(b);
+            std::vector<std::uint32_t> lower;
             for (const auto& n : lattice.lowerNeighbors(b)) lower.push_back(n.block);
             std::sort(lower.begin(), lower.end());
             lower.erase(std::unique(lower.begin(), lower.end()), lower.end());
             before_[b] = static_cast<std::uint16_t>(lower.size());
             for (const std::uint32_t p : lower) successors_[p].push_back(b);
         }
-        place_.resize(lattice.size());
-        for (std::uint32_t k = 0; k < lattice.size(); ++k) place_[lattice.order()[k]] = k;
     }
 
     /// List scheduling: a free thread takes the block of its rank that comes first in the order.
@@ -147,7 +145,7 @@ public:
             const int owner = lattice_.owner(event.block, ranks);
             const auto rank = static_cast<std::size_t>(owner);
             if (!event.isEnd) {
-                waiting[rank].push(place_[event.block]);
+                waiting[rank].push(lattice_.place(event.block));
                 begin(rank, event.at);
                 continue;
             }
@@ -169,7 +167,6 @@ private:
     const BlockLattice<3>& lattice_;
     std::vector<std::vector<std::uint32_t>> successors_;
     std::vector<std::uint16_t> before_;
-    std::vector<std::uint32_t> place_;
 };
 
 /// Half the time that a message takes there and back between the first two ranks, s.

@@ -40,20 +40,6 @@ TEST_CASE("a pool is full and sorted, and has a radius up to the mean when it is
     }
 }
 
-TEST_CASE("an absorbed pool loses nothing") {
-    const auto sizes = SizeDistribution::parse("uniform:1,2", 3);
-    RadiusPool a(sizes, 1, 1, 32), b(sizes, 1, 2, 32);
-    a.refill();
-    b.refill();
-    std::vector<double> all;
-    for (std::size_t k = 0; k < 32; ++k) all.push_back(a[k]), all.push_back(b[k]);
-    std::sort(all.begin(), all.end());
-    a.absorb(b);
-    REQUIRE(b.size() == 0);
-    REQUIRE(a.size() == 64);
-    for (std::size_t k = 0; k < 64; ++k) CHECK(a[k] == all[k]);
-}
-
 TEST_CASE("a pool notices that large radii leave it") {
     const auto sizes = SizeDistribution::parse("uniform:1,2", 3);
     RadiusPool pool(sizes, 1, 1, 64);
@@ -68,9 +54,4 @@ TEST_CASE("a pool notices that large radii leave it") {
         if (i % 2 == 0) pool.giveBack(drawn), pool.take(pool.countUpTo(drawn) - 1);
     }
     CHECK_FALSE(pool.hasGivenLarge());
-    RadiusPool other(sizes, 1, 2, 64);
-    other.refill();
-    for (int i = 0; i < 60; ++i) other.take(other.size() - 1);
-    other.absorb(pool);
-    CHECK_FALSE(other.hasGivenLarge());
 }

@@ -46,7 +46,6 @@ BlockLattice<Dim>::BlockLattice(const Box<Dim>& bounds, double side, double lag,
     findChain();
 }
 
-/// The order of the blocks, and whose pools they take.
 template <int Dim>
 void BlockLattice<Dim>::orderBlocks() {
     std::iota(order_.begin(), order_.end(), 0u);
@@ -56,26 +55,24 @@ void BlockLattice<Dim>::orderBlocks() {
                      [&](std::uint32_t a, std::uint32_t b) { return ranks[a] < ranks[b]; });
     place_.resize(order_.size());
     for (std::uint32_t k = 0; k < order_.size(); ++k) place_[order_[k]] = k;
+}
 
-    // Pools: along each row, then from the ends of rows to the starts of later ones.
-    donors_.resize(order_.size());
-    std::vector<std::uint32_t> starts, ends;
-    for (const std::uint32_t b : order_) {
-        Index i = indexOf(b);
-        const std::size_t along = axes_[0];
-        if (i[along] > 0) {
-            Index before = i;
-            --before[along];
-            donors_[b].push_back(blockAt(before));
-        } else {
-            starts.push_back(b);
+template <int Dim>
+std::vector<std::uint32_t> BlockLattice<Dim>::poolDonors(const std::vector<double>& share) const {
+    std::vector<std::uint32_t> donors(size(), kNone);
+    std::vector<bool> given(size());
+    for (const bool turn : {true, false})
+        for (const std::uint32_t b : order_) {
+            if ((share[b] > 0) != turn) continue;
+            std::uint32_t& donor = donors[b];
+            // The earliest has fewest others left to hand its pool to.
+            for (const Neighbor& n : lowerNeighbors(b))
+                if (share[n.block] > 0 && !given[n.block] &&
+                    (donor == kNone || place_[n.block] < place_[donor]))
+                    donor = n.block;
+            if (donor != kNone) given[donor] = true;
         }
-        if (i[along] == count_[along] - 1) ends.push_back(b);
-    }
-    std::size_t next = 0;
-    for (const std::uint32_t start : starts)  // both by rising rank
-        if (next < ends.size() && ranks[ends[next]] < ranks[start])
-            donors_[start].push_back(ends[next++]);
+    return donors;
 }
 
 template <int Dim>

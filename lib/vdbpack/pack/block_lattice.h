@@ -15,9 +15,8 @@ namespace vdbpack {
 ///
 /// Block (i, j, k) has rank i + 2 j + 4 k, so that it never shares its rank with one of its 26
 /// neighbors, and waits for those of lower rank: every front starts from finished blocks and
-/// none grow towards each other. A row is a line of blocks along the first axis; its pool of
-/// pending radii is handed from block to block, and at its end to a later row that starts after
-/// it anyway. The weights 1, 2, 4 go to the axes from the longest to the shortest.
+/// none grow towards each other. A row is a line of blocks along the first axis. The weights 1, 2,
+/// 4 go to the axes from the longest to the shortest.
 ///
 /// Along an axis that wraps, the first and the last blocks are neighbors too, but ranks do not
 /// wrap: the first block starts from nothing, and the last one from spheres on both sides. Ranks of
@@ -59,15 +58,19 @@ public:
     /// Finished neighbors of `b`, in a fixed order. Of two blocks along an axis that wraps, each is
     /// the neighbor of the other on both sides.
     std::vector<Neighbor> lowerNeighbors(std::uint32_t b) const;
-    /// Blocks whose pending radii `b` receives: the one before it in its row, or at the start of
-    /// a row the ends of rows that finished earlier.
-    const std::vector<std::uint32_t>& poolDonors(std::uint32_t b) const { return donors_[b]; }
+    /// Of each block, the lower neighbor that hands its pool of pending radii to it, or none: each
+    /// hands it to one, so that few pools are left at the end.
+    /// @param share  of each block that lies in the domain: blocks without any get the pools that
+    ///               others do not need.
+    std::vector<std::uint32_t> poolDonors(const std::vector<double>& share) const;
     /// Which of `ranks` fills block `b`. A row stays on one of them, and neighboring rows go to
     /// different ones in turn (as columns of cells in transport sweeps: Koch, Baker, Alcouffe
     /// 1992).
     int owner(std::uint32_t b, int ranks) const;
     /// All blocks by rank: an order that meets every dependency.
     const std::vector<std::uint32_t>& order() const { return order_; }
+    /// The place of block `b` in it.
+    std::uint32_t place(std::uint32_t b) const { return place_[b]; }
 
 private:
     using Index = std::array<int, Dim>;
@@ -91,7 +94,6 @@ private:
     std::size_t chain_ = 0;
     std::vector<std::uint32_t> order_;
     std::vector<std::uint32_t> place_;  // of each block in the order
-    std::vector<std::vector<std::uint32_t>> donors_;
 };
 
 }  // namespace vdbpack

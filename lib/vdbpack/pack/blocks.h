@@ -57,6 +57,8 @@ public:
 
     Block<Dim>& operator[](std::uint32_t b) { return blocks_[b]; }
     std::size_t size() const { return blocks_.size(); }
+    /// The block whose pools `b` takes over, or `BlockLattice::kNone`.
+    std::uint32_t donorOf(std::uint32_t b) const { return donors_[b]; }
     /// Spheres that all blocks together are going to hold, about.
     double expected() const { return expected_; }
 
@@ -69,32 +71,27 @@ public:
                 lengths_.empty() ? nullptr : &lengths_[b], local};
     }
 
-    /// Moves the pending radii and due spheres of earlier blocks to block `b`.
-    /// @return false if one of those was interrupted.
+    /// Moves the pending radii and due spheres of an earlier block to block `b`.
+    /// @return false if that was interrupted.
     bool takePools(std::uint32_t b) {
         Block<Dim>& block = blocks_[b];
-        for (const std::uint32_t donor : lattice.poolDonors(b)) {
+        if (const std::uint32_t donor = donors_[b]; donor != BlockLattice<Dim>::kNone) {
             if (blocks_[donor].pools.empty()) return false;
-            if (block.pools.empty()) {
-                block.pools = std::move(blocks_[donor].pools);
-                block.further = std::move(blocks_[donor].further);
-            } else {
-                for (std::size_t g = 0; g < block.pools.size(); ++g)
-                    block.pools[g].absorb(blocks_[donor].pools[g]);
-                if (block.further) block.further->absorb(*blocks_[donor].further);
-            }
+            block.pools = std::move(blocks_[donor].pools);
+            block.further = std::move(blocks_[donor].further);
+        } else {
+            block.pools = radiusPools(options_, b);
         }
-        if (block.pools.empty()) block.pools = radiusPools(options_, b);
         if (!block.further && hasSpecies_)
             block.further = std::make_unique<SpeciesQueue>(options_.species, options_.seed, b,
                                                            shellOf(options_));
-        const std::size_t pending = poolCapacity(options_, ahead_[b], expected_);
+        const std::size_t pending = poolCapacity<Dim>(options_, ahead_[b], expected_);
         for (std::size_t g = 0; g < block.pools.size(); ++g)
             block.pools[g].setCapacity(
                 expectedOf_.empty() || options_.pending > 0
                     ? pending
                     : pendingOfGroup(pending, expectedOf_[g]),
-                groups_[g].wideRadius - (options_.local.any() ? shellOf(options_) : 0), Dim == 2);
+                groups_[g].wideRadius - (options_.local.any() ? shellOf(options_) : 0));
         return true;
     }
 
@@ -133,8 +130,7 @@ public:
         BlockSpheres<Dim> some;
         std::vector<Box<Dim>> reaches;
         std::uint32_t bits = 0;
-        // In a periodic cell a block may be the neighbor of another on two sides. Of a row that
-        // takes over the pool alone, no block is a neighbor.
+        // In a periodic cell a block may be the neighbor of another on two sides.
         for (const std::uint32_t s : readers)
             for (const auto& n : lattice.lowerNeighbors(s)) {
                 if (n.block != b) continue;
@@ -186,29 +182,45 @@ private:
         for (std::uint32_t b = 0; b < lattice.size(); ++b) lengths_.push_back(local.over(boxOf(b)));
     }
 
+    /// Points of a grid in a block that lie in the domain, as a share.
+    /// @param across  points along each edge.
+    static double shareInside(const Box<Dim>& own, int across, DomainSampler<Dim>& sampler) {
+        const int points = across * across * (Dim == 3 ? across : 1);
+        int inside = 0;
+        for (int k = 0; k < points; ++k) {
+            Vec<Dim> x = own.lo;
+            for (int d = 0, rest = k; d < Dim; ++d, rest /= across)
+                x[d] += own.size()[d] * (rest % across + 0.5) / across;
+            inside += sampler.signedDistance(x) < 0 ? 1 : 0;
+        }
+        return static_cast<double>(inside) / points;
+    }
+
+    /// The share of a block that lies in the domain, about.
+    static double shareInside(const Box<Dim>& own, DomainSampler<Dim>& sampler) {
+        constexpr int kAcross = 4, kThin = 8;  // the part that lies inside may be thin
+        const double share = shareInside(own, kAcross, sampler);
+        const Vec<Dim> middle = (own.lo + own.hi) * 0.5;
+        if (share > 0 || !sampler.isWallCloser(middle, 0.5 * length(own.size()))) return share;
+        return shareInside(own, kThin, sampler);
+    }
+
     /// About how many spheres are yet to be placed while each block is filled, there and in the
-    /// blocks that get the pool afterwards, by the points of a grid that lie in the domain.
+    /// blocks that get the pool afterwards.
     void countAhead(const Domain<Dim>& domain) {
-        constexpr int kAcross = 4;
-        constexpr int kPoints = Dim == 3 ? kAcross * kAcross * kAcross : kAcross * kAcross;
         ahead_.assign(lattice.size(), 0);
         parallelFor(IndexRange(0, lattice.size(), 64), [&](const IndexRange& range) {
             const auto sampler = domain.sampler();
             for (std::size_t b = range.begin(); b != range.end(); ++b) {
-                const Box<Dim> own = lattice.own(static_cast<std::uint32_t>(b));
-                for (int k = 0; k < kPoints; ++k) {
-                    Vec<Dim> x = own.lo;
-                    for (int d = 0, rest = k; d < Dim; ++d, rest /= kAcross)
-                        x[d] += own.size()[d] * (rest % kAcross + 0.5) / kAcross;
-                    ahead_[b] += sampler->signedDistance(x) < 0 ? 1 : 0;
-                }
+                ahead_[b] = shareInside(lattice.own(static_cast<std::uint32_t>(b)), *sampler);
             }
         });
+        donors_ = lattice.poolDonors(ahead_);
         const double inside = std::accumulate(ahead_.begin(), ahead_.end(), 0.0);
-        for (double& count : ahead_) count *= expected_ / std::max(1.0, inside);
+        for (double& count : ahead_) count *= expected_ / std::max(1e-9, inside);
         const std::vector<double> here = ahead_;
         for (auto b = lattice.order().rbegin(); b != lattice.order().rend(); ++b) {
-            for (const std::uint32_t donor : lattice.poolDonors(*b)) ahead_[donor] += ahead_[*b];
+            if (donors_[*b] != BlockLattice<Dim>::kNone) ahead_[donors_[*b]] += ahead_[*b];
             ahead_[*b] -= here[*b] / 2;  // half of its own, on average
         }
     }
@@ -266,9 +278,10 @@ private:
     std::vector<FrontLengths> lengths_;  // of each block, where sizes differ by place
     std::vector<Block<Dim>> blocks_;
     double expected_ = 1;
-    std::vector<double> ahead_;       ///< of each block; see countAhead
-    std::vector<double> expectedOf_;  // spheres of each of several groups of sizes
-    bool hasSpecies_ = false;         ///< that are ever drawn
+    std::vector<std::uint32_t> donors_;  ///< BlockLattice::poolDonors
+    std::vector<double> ahead_;          ///< of each block; see countAhead
+    std::vector<double> expectedOf_;     // spheres of each of several groups of sizes
+    bool hasSpecies_ = false;            ///< that are ever drawn
 };
 
 }  // namespace vdbpack

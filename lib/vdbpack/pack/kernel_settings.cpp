@@ -30,15 +30,14 @@ constexpr double kSeamLead = 0.6;
 constexpr double kWaveLength = 36;
 /// The most of it, in longest edges of the domain: of longer waves the pack shows a part.
 constexpr double kMostOfDomain = 0.75;
-/// Radii pending in a row of blocks: one for so many spheres yet to place there, and for so many of
-/// the pack, within bounds. Those pending at its end are never placed. Box 120, radii 1 to 2, and
-/// hip of 62,000 spheres, solid fraction and Kolmogorov-Smirnov distance of the radii: 0.631,
-/// 0.0007 and 0.615, 0.0025 with 64 in all rows; 0.632, 0.0006 and 0.615, 0.0014 so; with 256 in
-/// all, 0.632, 0.0008 and 0.617, 0.0063.
-constexpr double kLeastPending = 32, kMostPending = 192, kSpheresPerPending = 20,
-                 kSpheresOfPack = 80;
-/// The least in packs of fewer spheres than that, most of which lie in blocks at the end of a row.
-/// Cell of 41 mm, radii 1 to 2, 2,800 spheres: 0.632 and 0.0065 with 64; 0.627 and 0.006 with 32.
+/// Radii pending in a chain of blocks: one for so many spheres yet to place there, and for so many
+/// of the pack, within bounds. Those pending at its end are never placed; a chain that has far more
+/// of them at its beginning is denser there. PENDINGTABLE
+template <int Dim>
+constexpr double kLeastPending = Dim == 3 ? 64 : 32;
+constexpr double kMostPending = 192, kSpheresPerPending = 16, kSpheresOfPack = 80;
+/// The least in packs of fewer spheres than that. Cell of 41 mm, radii 1 to 2, 2,800 spheres: 0.632
+/// and 0.0065 with 64; 0.627 and 0.006 with 32.
 constexpr double kSmallPack = 6000, kLeastOfSmall = 64;
 /// Least radius for which sites are sought, in mean radii.
 constexpr double kProbe = 0.62;
@@ -228,10 +227,11 @@ double blockSide(const Domain<Dim>& domain, const PackOptions& options,
                     options.blockSide > 0 ? options.blockSide : wide * kBlockSide<Dim> * common);
 }
 
+template <int Dim>
 std::size_t poolCapacity(const PackOptions& options, double ahead, double expected) {
     if (options.pending > 0) return options.pending;
     const double more = options.effort == Effort::dense ? kDensePending : 1;
-    const double least = expected < kSmallPack ? kLeastOfSmall : kLeastPending;
+    const double least = expected < kSmallPack ? kLeastOfSmall : kLeastPending<Dim>;
     return static_cast<std::size_t>(
         std::clamp(std::min(ahead / kSpheresPerPending, expected / kSpheresOfPack), least,
                    more * kMostPending));
@@ -247,10 +247,12 @@ std::vector<RadiusPool> radiusPools(const PackOptions& options, std::uint32_t st
     std::vector<RadiusPool> pools;
     for (std::size_t g = 0; g < options.local.groups(); ++g)
         pools.emplace_back(options.local.sizesOf(g, options.sizes), options.seed,
-                           g * kGroupStreams + stream, poolCapacity(options, 0, 0), shell);
+                           g * kGroupStreams + stream, 0, shell);
     return pools;
 }
 
+template std::size_t poolCapacity<2>(const PackOptions&, double, double);
+template std::size_t poolCapacity<3>(const PackOptions&, double, double);
 template std::vector<FrontLengths> frontLengths<2>(const PackOptions&);
 template std::vector<FrontLengths> frontLengths<3>(const PackOptions&);
 template FrontSettings<2> frontSettings(const Domain<2>&, const PackOptions&);

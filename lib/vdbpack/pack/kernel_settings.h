@@ -39,15 +39,16 @@ template <int Dim>
 double blockSide(const Domain<Dim>& domain, const PackOptions& options,
                  const FrontSettings<Dim>& settings);
 
-/// Pending radii that a row of blocks holds.
+/// Pending radii that a chain of blocks holds.
 /// @param ahead     spheres that are yet to be placed from this pool, about.
 /// @param expected  spheres of the pack, about.
+template <int Dim>
 std::size_t poolCapacity(const PackOptions& options, double ahead, double expected);
 
 /// A pool for each group of sizes: of radii with the shell, unless they differ by place.
 /// @param stream  of random numbers.
 std::vector<RadiusPool> radiusPools(const PackOptions& options, std::uint32_t stream);
-/// Pending radii of a pool of a group of about `expected` spheres: some of each row of blocks are
+/// Pending radii of a pool of a group of about `expected` spheres: some of each chain of blocks are
 /// never placed, which few spheres would show.
 /// @param usual  of large groups.
 std::size_t pendingOfGroup(std::size_t usual, double expected);

@@ -4,13 +4,6 @@
 
 namespace vdbpack {
 
-namespace {
-
-/// A pool that shrinks gradually has one radius less after so many that were taken.
-constexpr std::uint64_t kTakenPerLess = 16;
-
-}  // namespace
-
 RadiusPool::RadiusPool(const SizeDistribution& sizes, std::uint64_t seed, std::uint64_t stream,
                        std::size_t capacity, double shell)
     : sizes_(sizes),
@@ -57,9 +50,6 @@ void RadiusPool::fill() {
 void RadiusPool::take(std::size_t k) {
     count(radii_[k], 1);
     radii_.erase(radii_.begin() + static_cast<std::ptrdiff_t>(k));
-    if (gradually_ && radii_.size() >= capacity_ &&
-        static_cast<std::uint64_t>(given_.count) % kTakenPerLess != 0)
-        add(next());
     fill();
 }
 
@@ -67,16 +57,6 @@ void RadiusPool::refill() {
     fill();
     // The slack covers atoms that were rounded up to a float.
     while (radii_.front() > sizes_.mean() * (1 + 1e-6) + shell_) add(next());
-}
-
-void RadiusPool::absorb(RadiusPool& other) {
-    const auto middle = static_cast<std::ptrdiff_t>(radii_.size());
-    radii_.insert(radii_.end(), other.radii_.begin(), other.radii_.end());
-    std::inplace_merge(radii_.begin(), radii_.begin() + middle, radii_.end());
-    other.radii_.clear();
-    given_.count += other.given_.count;
-    given_.excess += other.given_.excess;
-    other.given_ = {};
 }
 
 }  // namespace vdbpack

@@ -29,15 +29,10 @@ public:
     /// Mean radius of the distribution, mm.
     double mean() const { return mean_; }
     /// Sets how many radii may be pending; those beyond it stay until they are placed.
-    /// @param common     larger radii do not count, mm: where they fit nowhere, the others
-    /// continue.
-    /// @param gradually  whether most of those beyond are replaced, too: a pool that has taken up
-    ///                   others has many small radii, which would all be placed side by side.
-    void setCapacity(std::size_t capacity, double common = std::numeric_limits<double>::infinity(),
-                     bool gradually = false) {
+    /// @param common  larger radii do not count, mm: where they fit nowhere, the others continue.
+    void setCapacity(std::size_t capacity, double common) {
         capacity_ = capacity;
         common_ = common;
-        gradually_ = gradually;
     }
     /// The `k`-th smallest pending radius, mm.
     double operator[](std::size_t k) const { return radii_[k]; }
@@ -60,8 +55,6 @@ public:
     /// mean sphere can be filled. Not after every `take`: larger radii drawn on the way would pend
     /// for ever.
     void refill();
-    /// Moves the radii pending in `other` into this pool.
-    void absorb(RadiusPool& other);
 
     /// Of the radii that left the pool.
     struct Given {
@@ -94,7 +87,6 @@ private:
     Given given_;
     std::size_t capacity_;
     double common_ = std::numeric_limits<double>::infinity();
-    bool gradually_ = false;
     std::vector<double> radii_;
 };
 

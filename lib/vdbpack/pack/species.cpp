@@ -39,9 +39,4 @@ void SpeciesQueue::draw() {
     }
 }
 
-void SpeciesQueue::absorb(SpeciesQueue& other) {
-    due_.insert(due_.end(), other.due_.begin(), other.due_.end());
-    other.due_.clear();
-}
-
 }  // namespace vdbpack

@@ -33,8 +33,6 @@ public:
     void take() { due_.pop_front(); }
     /// Depth beyond which some of these may lie, mm.
     double depth() const { return depth_; }
-    /// Moves the due spheres of `other` to the end of this queue.
-    void absorb(SpeciesQueue& other);
 
     /// What one rank tells another of a queue that moves there.
     struct State {

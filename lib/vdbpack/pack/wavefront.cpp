@@ -42,7 +42,7 @@ public:
         callbacks_.report("pack", 0, 0);
         successors_.resize(lattice_.size());
         for (std::uint32_t b = 0; b < lattice_.size(); ++b) {
-            std::vector<std::uint32_t> before = lattice_.poolDonors(b);
+            std::vector<std::uint32_t> before;
             for (const auto& n : lattice_.lowerNeighbors(b)) before.push_back(n.block);
             std::sort(before.begin(), before.end());
             before.erase(std::unique(before.begin(), before.end()), before.end());
@@ -122,11 +122,9 @@ private:
                                           static_cast<std::size_t>(threads) + 1);
         tbb::task_arena arena(threads, 0);
         // Those first that come first in the order: others wait for them the longest.
-        std::vector<std::uint32_t> place(lattice_.size());
-        for (std::uint32_t k = 0; k < lattice_.size(); ++k) place[lattice_.order()[k]] = k;
         tbb::concurrent_priority_queue<std::uint32_t, std::greater<>> ready;
         begin_ = [&](std::uint32_t b) {
-            ready.push(place[b]);
+            ready.push(lattice_.place(b));
             arena.enqueue([&] {
                 std::uint32_t first = 0;
                 if (ready.try_pop(first)) process(lattice_.order()[first]);
@@ -190,10 +188,7 @@ private:
             message.stopped = stopped_;
             message.placed = blocks_.inReachOf(b, blocks);
             for (const std::uint32_t s : blocks) {
-                const auto& donors = lattice_.poolDonors(s);
-                if (block.pools.empty() ||
-                    std::find(donors.begin(), donors.end(), b) == donors.end())
-                    continue;
+                if (block.pools.empty() || blocks_.donorOf(s) != b) continue;
                 message.pools.clear();
                 for (const RadiusPool& pool : block.pools) message.pools.push_back(pool.state());
                 if (block.further) message.further = block.further->state();

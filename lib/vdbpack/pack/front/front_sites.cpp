@@ -249,12 +249,17 @@ float FrontSites<Dim>::leadOf(std::uint32_t index) const {
     return static_cast<float>(lead) * (limit - radii.probe) / (radii.common - radii.probe);
 }
 
+/// Where a site comes in the order of the front, mm.
+template <int Dim>
+float FrontSites<Dim>::keyOf(std::uint32_t index) const {
+    const Site& site = sites_[index];
+    return site.base - site.slope * leadOf(index) -
+           site.slope * radiiOf(site.pivot).crowdLead * site.crowd;
+}
+
 template <int Dim>
 void FrontSites<Dim>::enqueue(std::uint32_t index) {
-    const Site& site = sites_[index];
-    if (site.foreign != 0) return;
-    queue_.push(index, site.base - site.slope * leadOf(index) -
-                           site.slope * radiiOf(site.pivot).crowdLead * site.crowd);
+    if (sites_[index].foreign == 0) queue_.push(index, keyOf(index));
 }
 
 template <int Dim>
@@ -365,31 +370,6 @@ void FrontSites<Dim>::keepOffWall(std::uint32_t pivot, std::uint32_t wall) {
         sites_[s].crowd += wallCrowd(ends_[s], walls_[wall], radii.nearGap);
         enqueue(s);
     }
-}
-
-template <int Dim>
-void FrontSites<Dim>::leave(std::uint32_t index, const Vec<Dim>& center) {
-    queue_.remove(index);
-    sites_[index].foreign = block_.neighborAt(center);
-    ends_[index].dead = sites_[index].foreign == 0;
-}
-
-template <int Dim>
-void FrontSites<Dim>::giveUp(std::uint32_t index) {
-    Site& site = sites_[index];
-    std::array<float, Dim> x;
-    std::array<int, Dim> offset{};
-    bool ahead = false;
-    if (site.track.at(0, x))
-        for (int d = 0; d < Dim; ++d) {
-            const auto at = static_cast<std::size_t>(d);
-            const double start = sphere(site.pivot).center[d] + static_cast<double>(x[at]);
-            offset[at] = start >= block_.search.hi[d] ? 1 : 0;
-            ahead = ahead || offset[at] > 0;
-        }
-    queue_.remove(index);  // a wall learned meanwhile may have queued it again
-    site.foreign = ahead ? neighborBit(offset) : 0;
-    ends_[index].dead = !ahead;
 }
 
 template <int Dim>

@@ -81,6 +81,16 @@ public:
     void remove(std::uint32_t index) { ends_[index].dead = true; }
     /// Leaves a site that turned out to lie at `center`, outside the block, to its block.
     void leave(std::uint32_t index, const Vec<Dim>& center);
+    /// The later neighbor (`neighborBit`) that has a site before this one in the order of the front
+    /// where a sphere would reach into the one here; 0: none has.
+    /// @param around  the spheres around `center`, where a sphere of `radius` would be placed.
+    std::uint32_t precededIn(std::uint32_t index, const Vec<Dim>& center, double radius,
+                             const Surroundings<Dim>& around) const;
+    /// Leaves a site to a later neighbor.
+    void leaveTo(std::uint32_t index, std::uint32_t neighbor) {
+        queue_.remove(index);
+        sites_[index].foreign = neighbor;
+    }
     /// Leaves a site alone; a block whose search reaches back to it may have a radius for it.
     void giveUp(std::uint32_t index);
 
@@ -150,6 +160,7 @@ private:
     bool isBeyond(std::uint32_t index) const;
     double meetingLead(std::uint32_t index) const;
     float leadOf(std::uint32_t index) const;
+    float keyOf(std::uint32_t index) const;
     float heightAbove(std::uint32_t pivot, const Bodies& bodies, const Vec<Dim>& start) const;
     static float nearness(float gap, float nearGap);
     static float wallCrowd(const End& end, const TangentPlane<Dim>& plane, float nearGap);

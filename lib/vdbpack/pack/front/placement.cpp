@@ -84,6 +84,10 @@ typename Placement<Dim>::Outcome Placement<Dim>::placeAtSite(std::uint32_t site,
     const double reach = radius + lengths.reach;
     collect(center, reach, FrontSites<Dim>::kNone);
     if (overlaps(center, radius)) return Outcome::blocked;
+    if (const auto later = front_.sites.precededIn(site, center, radius, around_)) {
+        front_.sites.leaveTo(site, later);
+        return Outcome::foreign;
+    }
     double distance = 0;
     hasWall_ = block.findWall(sphere(pivot).center, center, radius, reach, wall_, distance);
     if (!hasWall_ || distance >= radius) {

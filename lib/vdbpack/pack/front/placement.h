@@ -18,7 +18,7 @@ public:
     enum class Outcome {
         placed,
         blocked,     ///< by a sphere or a wall, or other sizes are requested there
-        foreign,     ///< the center lies outside the block: the site is left to another one
+        foreign,     ///< the site is left to another block
         wallLearned  ///< by a wall that the pivot now knows of
     };
     /// Tries a sphere of `radius` at a site.
