@@ -4,6 +4,14 @@
 
 namespace vdbpack {
 
+namespace {
+
+/// A pool that holds too many has one radius less after so many that were taken: its small radii
+/// would all be placed side by side otherwise.
+constexpr std::uint64_t kTakenPerLess = 3;
+
+}  // namespace
+
 RadiusPool::RadiusPool(const SizeDistribution& sizes, std::uint64_t seed, std::uint64_t stream,
                        std::size_t capacity, double shell)
     : sizes_(sizes),
@@ -50,6 +58,8 @@ void RadiusPool::fill() {
 void RadiusPool::take(std::size_t k) {
     count(radii_[k], 1);
     radii_.erase(radii_.begin() + static_cast<std::ptrdiff_t>(k));
+    if (radii_.size() >= capacity_ && static_cast<std::uint64_t>(given_.count) % kTakenPerLess != 0)
+        add(next());
     fill();
 }
 

@@ -28,7 +28,7 @@ public:
     std::size_t size() const { return radii_.size(); }
     /// Mean radius of the distribution, mm.
     double mean() const { return mean_; }
-    /// Sets how many radii may be pending; those beyond it stay until they are placed.
+    /// Sets how many radii may be pending; a pool that holds more shrinks as they are placed.
     /// @param common  larger radii do not count, mm: where they fit nowhere, the others continue.
     void setCapacity(std::size_t capacity, double common) {
         capacity_ = capacity;

@@ -18,6 +18,8 @@ constexpr double kYielding = 0.75;
 template <int Dim>
 std::uint32_t FrontSites<Dim>::precededIn(std::uint32_t index, const Vec<Dim>& center,
                                           double radius, const Surroundings<Dim>& around) const {
+    // Equal spheres leave no more behind in this way, and would crystallize more.
+    if (radiiOf(sites_[index].pivot).crowdLead > 0) return 0;
     bool isNear = false;
     for (int d = 0; d < Dim; ++d) {
         const double face = block_.own.hi[d];
