@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95221},
+    {"lib", 95279},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2575},
     {"lib/vdbpack/io", 2961},
@@ -31,7 +31,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2860},
     {"lib/vdbpack/domain", 7007},
-    {"lib/vdbpack/pack", 7947},
+    {"lib/vdbpack/pack", 8005},
     {"lib/vdbpack/densify", 6008},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5668},
@@ -43,8 +43,8 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3610},
     {"lib/vdbpack/run", 7702},
-    {"tools", 3943},
-    {"tests", 35676},
+    {"tools", 3940},
+    {"tests", 35747},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

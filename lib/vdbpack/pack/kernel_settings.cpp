@@ -32,7 +32,11 @@ constexpr double kWaveLength = 36;
 constexpr double kMostOfDomain = 0.75;
 /// Radii pending in a chain of blocks: one for so many spheres yet to place there, and for so many
 /// of the pack, within bounds. Those pending at its end are never placed; a chain that has far more
-/// of them at its beginning is denser there. PENDINGTABLE
+/// of them at its beginning is denser there. Box 120, radii 1 to 2, and hip of 60,000 spheres,
+/// solid fraction, Kolmogorov-Smirnov distance of the radii and offset of the center of mass in %:
+/// 0.6314, 0.0007, 0.17 and 0.6156, 0.0014, 0.17 with at least 32 and one for 20; 0.6316, 0.0006,
+/// 0.16 and 0.6164, 0.0012, 0.14 so; 0.6320, 0.0008, 0.20 and 0.6162, 0.0011, 0.19 with 32 to 384,
+/// one for 10, and for 40 of the pack.
 template <int Dim>
 constexpr double kLeastPending = Dim == 3 ? 64 : 32;
 constexpr double kMostPending = 192, kSpheresPerPending = 16, kSpheresOfPack = 80;
