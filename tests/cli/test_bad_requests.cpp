@@ -68,6 +68,8 @@ TEST_CASE("counts that cannot be are refused") {
            {"pack ball:9 --seed 1..18446744073709551615", 2, "--seed '1..18446744073709551615'"},
            {"voids ball:9 --voids boolean --void-radius constant:1 --seed 18446744073709551616", 2,
             "--seed '18446744073709551616'"},
+           {"voids ball:9 --voids boolean --void-radius 3 --void-count 2", 2,
+            "--void-radius constant:3"},
            {"voids ball:9 --voids boolean --void-radius constant:1 --seed -1", 2, "--seed '-1'"},
            {"verify p.csv --domain ball:9 --places -5", 2, "--places '-5'"},
            {"verify p.csv --domain ball:9 --places 1e12", 2, "--places 10000000000"},

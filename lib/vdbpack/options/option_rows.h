@@ -29,6 +29,8 @@ void shellFromOption(OptionList& rows, DomainRecipe& domain);
 void unitOption(OptionList& rows, const char* name, Unit& unit, const char* help);
 
 // sphere_options.cpp
+/// @param name  of the option, for errors. @throws as `SizeDistribution::parse`
+SizeRequest sizesOf(const std::string& name, const std::string& text);
 void sizeOptions(OptionList& rows, SizeRequest& radius, WeightBy& weightBy, const char* note);
 /// How `pack` makes spheres.
 void sphereOptions(OptionList& rows, PackRecipe& recipe);

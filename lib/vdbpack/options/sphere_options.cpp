@@ -45,18 +45,23 @@ void sizesOption(OptionList& rows, const char* name, SizeRequest& sizes, std::st
     rows.custom(
             name, "SPEC", std::move(help),
             [&sizes, name](const std::string& text) {
-                try {
-                    if (text.empty()) throw ParameterError("must not be empty");
-                    sizes = SizeRequest::parse(text);
-                } catch (const ParameterError& error) {
-                    throw ParameterError("`" + std::string(name) + "`: " + error.what());
-                }
+                if (text.empty())
+                    throw ParameterError("`" + std::string(name) + "`: must not be empty");
+                sizes = sizesOf(name, text);
             },
             [&sizes] { return sizes.spec(); })
         .naming(FileIn::sizes);
 }
 
 }  // namespace
+
+SizeRequest sizesOf(const std::string& name, const std::string& text) {
+    try {
+        return SizeRequest::parse(text);
+    } catch (const ParameterError& error) {
+        throw ParameterError("`" + name + "`: " + error.what());
+    }
+}
 
 void sizeOptions(OptionList& rows, SizeRequest& radius, WeightBy& weightBy, const char* note) {
     rows.group("Spheres");

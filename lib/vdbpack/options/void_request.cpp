@@ -4,6 +4,7 @@
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/suggest.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/options/option_rows.h"
 #include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
@@ -96,8 +97,8 @@ VoidRequest completed(VoidRequest r) {
 
 VoidShapeRecipe shapeOf(const VoidRequest& r) {
     VoidShapeRecipe shape;
-    shape.radius = SizeRequest::parse(r.radius);
-    shape.aspect = SizeRequest::parse(r.aspect);
+    shape.radius = sizesOf("voidRadius", r.radius);
+    shape.aspect = sizesOf("voidAspect", r.aspect);
     shape.orientation = r.orientation;
     return shape;
 }
