@@ -97,8 +97,8 @@ VoidRequest completed(VoidRequest r) {
 
 VoidShapeRecipe shapeOf(const VoidRequest& r) {
     VoidShapeRecipe shape;
-    shape.radius = sizesOf("voidRadius", r.radius);
-    shape.aspect = sizesOf("voidAspect", r.aspect);
+    shape.radius = sizesOf("void-radius", r.radius);
+    shape.aspect = sizesOf("void-aspect", r.aspect);
     shape.orientation = r.orientation;
     return shape;
 }
