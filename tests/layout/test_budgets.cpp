@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95279},
+    {"lib", 95287},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2575},
     {"lib/vdbpack/io", 2961},
@@ -41,10 +41,10 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/preview", 3597},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
-    {"lib/vdbpack/options", 3610},
+    {"lib/vdbpack/options", 3618},
     {"lib/vdbpack/run", 7702},
     {"tools", 3940},
-    {"tests", 35747},
+    {"tests", 35749},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;
