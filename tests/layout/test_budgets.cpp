@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95287},
+    {"lib", 95293},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2575},
     {"lib/vdbpack/io", 2961},
@@ -31,7 +31,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2860},
     {"lib/vdbpack/domain", 7007},
-    {"lib/vdbpack/pack", 8005},
+    {"lib/vdbpack/pack", 8011},
     {"lib/vdbpack/densify", 6008},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5668},

@@ -71,6 +71,7 @@ template <class Bytes, class State>
 void visitPool(Bytes& bytes, State& pool) {
     bytes(pool.share);
     bytes(pool.given);
+    bytes(pool.limit);
     bytes(pool.radii);
 }
 template <class Bytes, class State>

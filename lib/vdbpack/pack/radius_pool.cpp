@@ -6,8 +6,8 @@ namespace vdbpack {
 
 namespace {
 
-/// A pool that holds too many has one radius less after so many that were taken: its small radii
-/// would all be placed side by side otherwise.
+/// A pool whose capacity has fallen has one radius less after so many that were taken: its small
+/// radii would all be placed side by side otherwise.
 constexpr std::uint64_t kTakenPerLess = 3;
 
 }  // namespace
@@ -18,7 +18,8 @@ RadiusPool::RadiusPool(const SizeDistribution& sizes, std::uint64_t seed, std::u
       shell_(shell),
       mean_(sizes.mean() + shell),
       share_(RandomStream(seed, stream).bits()),
-      capacity_(capacity) {}
+      capacity_(capacity),
+      limit_(capacity) {}
 
 std::size_t RadiusPool::countUpTo(double r) const {
     return static_cast<std::size_t>(std::upper_bound(radii_.begin(), radii_.end(), r) -
@@ -52,14 +53,14 @@ void RadiusPool::giveBack(double r) {
 }
 
 void RadiusPool::fill() {
-    while (radii_.size() < capacity_ || countUpTo(common_) < capacity_) add(next());
+    while (radii_.size() < limit_ || countUpTo(common_) < capacity_) add(next());
 }
 
 void RadiusPool::take(std::size_t k) {
     count(radii_[k], 1);
     radii_.erase(radii_.begin() + static_cast<std::ptrdiff_t>(k));
-    if (radii_.size() >= capacity_ && static_cast<std::uint64_t>(given_.count) % kTakenPerLess != 0)
-        add(next());
+    if (limit_ > capacity_ && static_cast<std::uint64_t>(given_.count) % kTakenPerLess == 0)
+        --limit_;
     fill();
 }
 

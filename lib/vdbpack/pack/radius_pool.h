@@ -4,6 +4,7 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/pack/size_distribution.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -28,10 +29,11 @@ public:
     std::size_t size() const { return radii_.size(); }
     /// Mean radius of the distribution, mm.
     double mean() const { return mean_; }
-    /// Sets how many radii may be pending; a pool that holds more shrinks as they are placed.
+    /// Sets how many radii may be pending; where that falls, the pool shrinks as they are placed.
     /// @param common  larger radii do not count, mm: where they fit nowhere, the others continue.
     void setCapacity(std::size_t capacity, double common) {
         capacity_ = capacity;
+        limit_ = std::max(limit_, capacity);
         common_ = common;
     }
     /// The `k`-th smallest pending radius, mm.
@@ -65,12 +67,14 @@ public:
     struct State {
         std::uint64_t share = 0;  ///< the last draw
         Given given;
+        std::uint64_t limit = 0;    ///< to which the pool is filled
         std::vector<double> radii;  ///< pending, sorted, mm
     };
-    State state() const { return {share_, given_, radii_}; }
+    State state() const { return {share_, given_, limit_, radii_}; }
     void restore(State state) {
         share_ = state.share;
         given_ = state.given;
+        limit_ = state.limit;
         radii_ = std::move(state.radii);
     }
 
@@ -85,7 +89,7 @@ private:
     double mean_;  ///< of the radii with their shells, mm
     std::uint64_t share_;
     Given given_;
-    std::size_t capacity_;
+    std::size_t capacity_, limit_;
     double common_ = std::numeric_limits<double>::infinity();
     std::vector<double> radii_;
 };
