@@ -11,7 +11,8 @@ trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
 apt-get download -qq tetgen=1.5.0-5 libtet1.5=1.5.0-5 2>/dev/null
 for package in ./*.deb; do dpkg -x "$package" root; done
-export LD_LIBRARY_PATH=$PWD/root/usr/lib:$PWD/root/usr/lib/x86_64-linux-gnu
+LD_LIBRARY_PATH=$(dirname "$(find "$PWD/root" -name "libtet.so*" | head -1)")
+export LD_LIBRARY_PATH
 
 cube() {  # ORDER of the corners of each facet
     printf '8 3 0 0\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n6 0\n'

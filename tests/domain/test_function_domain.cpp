@@ -94,7 +94,7 @@ TEST_CASE("nothing protrudes from a function that is a signed distance") {
     CHECK(checkOverlap(packed).pairs == 0);
     CHECK(static_cast<double>(packed.size()) ==
           Approx(static_cast<double>(packOf(*shape, "uniform:0.5,1").pack.spheres.size()))
-              .epsilon(0.05));
+              .epsilon(0.02));
 
     const auto circles = packOf(*functionDomain<2>(ball<2>(20), cube<2>(50)), "uniform:0.5,1");
     CHECK(circles.pack.spheres.size() > 500);

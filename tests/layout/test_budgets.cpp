@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3618},
     {"lib/vdbpack/run", 7702},
     {"tools", 3940},
-    {"tests", 35750},
+    {"tests", 35757},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;
