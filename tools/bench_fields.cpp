@@ -80,7 +80,7 @@ Facing facingOf(const TriangleMesh& mesh) {
 class Exact {
 public:
     explicit Exact(const TriangleMesh& mesh)
-        : origin_(mesh.bounds().center()), tree_(wallPieces(mesh)), sides_(tree_.pieces()) {}
+        : origin_(mesh.bounds().center()), tree_(wallPieces(mesh)) {}
 
     /// How far about 100,000 voxels, spread over those that are active, are off.
     std::string errorsOf(const openvdb::FloatGrid& grid, double voxelSize) const {
@@ -97,6 +97,9 @@ public:
                 const Vec<3> lattice{{double(c[0]), double(c[1]), double(c[2])}};
                 voxels.push_back({origin_ + lattice * voxelSize, *on});
             }
+        std::vector<Vec<3>> points;
+        for (const Voxel& voxel : voxels) points.push_back(voxel.at);
+        const WallSides<3> sides(tree_.pieces(), points);
         std::vector<double> errors(voxels.size());
         std::atomic<std::size_t> wrong{0};
         forAll(voxels.size(), [&](std::size_t i) {
@@ -105,7 +108,7 @@ public:
             const double distance = std::sqrt(tree_.squaredDistance(at, bound * bound));
             errors[i] = std::abs(distance - std::abs(value)) / voxelSize;
             // Closer than this to the wall, the sign is a matter of rounding.
-            if (distance > 1e-4 * voxelSize && (value < 0) != sides_.inside(at)) ++wrong;
+            if (distance > 1e-4 * voxelSize && (value < 0) != sides.inside(i)) ++wrong;
         });
         const auto large =
             std::count_if(errors.begin(), errors.end(), [](double e) { return e > 1e-3; });
@@ -117,7 +120,6 @@ public:
 private:
     Vec<3> origin_;
     WallTree<3> tree_;
-    WallSides<3> sides_;
 };
 
 /// Wall and processor seconds of the quickest of some runs, and the most memory that one took

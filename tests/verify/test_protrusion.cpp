@@ -67,11 +67,17 @@ TEST_CASE("the distance to a triangle is that of a search over its points") {
 }
 
 TEST_CASE("the tree finds the nearest of all triangles") {
-    // Of long triangles it makes boxes along axes of their own.
-    const bool isLong = GENERATE(false, true);
-    const auto shape =
-        isLong ? rotated(doubleConeMesh(10, 8, 3000), {{1, 2, 3}}, 0.7) : torusMesh(8, 3, 40, 20);
-    const auto pieces = piecesOf(translated(shape, {{700, -300, 55}}));
+    // Of long triangles it makes boxes along axes of their own; all of a ball are as near to its
+    // center; those of a plane side lie in discs without height.
+    const int shape = GENERATE(0, 1, 2, 3);
+    const auto mesh =
+        shape == 0   ? torusMesh(8, 3, 40, 20)
+        : shape == 1 ? rotated(doubleConeMesh(10, 8, 3000), {{1, 2, 3}}, 0.7)
+        : shape == 2
+            ? ballMesh(14, 4)
+            : rotated(subdivided(subdivided(subdivided(boxMesh({{-9, -8, -7}}, {{9, 8, 7}})))),
+                      {{3, 1, 2}}, 0.4);
+    const auto pieces = piecesOf(translated(mesh, {{700, -300, 55}}));
     const WallTree<3> tree(pieces);
     for (const auto& s : randomSpheres<3>(300, 30, 1, 1, 4)) {
         const Vec<3> x = s.center + Vec<3>{{700, -300, 55}};
@@ -87,6 +93,7 @@ TEST_CASE("points searched for together find what each finds alone") {
     const auto pieces = piecesOf(isLong ? doubleConeMesh(10, 8, 3000) : torusMesh(8, 3, 40, 20));
     const WallTree<3> tree(pieces);
     const auto spheres = randomSpheres<3>(400, 30, 1, 1, 6);
+    auto nearest = WallTree<3>::noPieces();
     for (std::size_t k = 0; k < spheres.size(); k += 4) {
         WallTree<3>::Points points;
         WallTree<3>::Squares bounds;
@@ -94,9 +101,12 @@ TEST_CASE("points searched for together find what each finds alone") {
             points[l] = spheres[k + l].center;
             bounds[l] = l == 1 ? 0.01 : std::numeric_limits<double>::infinity();
         }
-        const auto found = tree.squaredDistances(points, bounds);
-        for (std::size_t l = 0; l < 4; ++l)
+        const auto found = tree.squaredDistances(points, bounds, nearest);
+        for (std::size_t l = 0; l < 4; ++l) {
             REQUIRE(found[l] == tree.squaredDistance(points[l], bounds[l]));
+            if (found[l] < bounds[l])
+                REQUIRE(squaredDistanceToPiece(points[l], tree.pieces()[nearest[l]]) == found[l]);
+        }
     }
 }
 

@@ -73,39 +73,35 @@ std::vector<std::uint32_t> coherentOrder(const std::vector<Sphere<Dim>>& spheres
     return order;
 }
 
-/// Searches for points in a row: what was found for the last ones bounds the next ones' distances.
-template <int Dim>
-class NearestPieces {
-public:
-    using Points = typename WallTree<Dim>::Points;
-    using Squares = typename WallTree<Dim>::Squares;
-
-    explicit NearestPieces(const WallTree<Dim>& tree) : tree_(tree) { reaches_.fill(kFar); }
-
-    /// Squared distances, mm²; of those not below its bound, the bound.
-    Squares squaredDistances(const Points& points, const Squares& bounds) {
-        Squares tighter = bounds;
-        for (std::size_t l = 0; l < points.size(); ++l) {
-            double reach = kFar;
-            for (std::size_t m = 0; m < points.size(); ++m)
-                reach = std::min(reach, length(points[l] - last_[m]) + reaches_[m]);
-            reach *= 1 + 1e-9;
-            tighter[l] = std::min(tighter[l], reach * reach);
+/// Squared distances of centers to the nearest piece, mm².
+/// @param bound  of a center: the squared distance from which on the bound itself will do.
+template <int Dim, class Bound>
+std::vector<double> nearestSquares(const std::vector<Sphere<Dim>>& spheres,
+                                   std::vector<WallPiece<Dim>> pieces, const Bound& bound) {
+    const WallTree<Dim> tree(std::move(pieces));
+    const auto order = coherentOrder(spheres);
+    std::vector<double> squares(spheres.size());
+    // Of the same spheres for any number of threads, so that distances are the same to the last
+    // bit.
+    constexpr std::size_t kTogether = WallTree<Dim>::kTogether, kBlock = 64 * kTogether;
+    forAll((spheres.size() + kBlock - 1) / kBlock, [&](std::size_t b) {
+        auto nearest = WallTree<Dim>::noPieces();
+        const std::size_t end = std::min(spheres.size(), (b + 1) * kBlock);
+        for (std::size_t k = b * kBlock; k < end; k += kTogether) {
+            std::array<std::size_t, kTogether> which;
+            typename WallTree<Dim>::Points centers;
+            typename WallTree<Dim>::Squares bounds;
+            for (std::size_t l = 0; l < kTogether; ++l) {
+                which[l] = order[std::min(k + l, end - 1)];
+                centers[l] = spheres[which[l]].center;
+                bounds[l] = bound(which[l]);
+            }
+            const auto found = tree.squaredDistances(centers, bounds, nearest);
+            for (std::size_t l = 0; l < kTogether; ++l) squares[which[l]] = found[l];
         }
-        const Squares squares = tree_.squaredDistances(points, tighter);
-        last_ = points;
-        for (std::size_t l = 0; l < points.size(); ++l)
-            reaches_[l] = squares[l] < bounds[l] ? std::sqrt(squares[l]) : kFar;
-        return squares;
-    }
-
-private:
-    static constexpr double kFar = std::numeric_limits<double>::infinity();
-
-    const WallTree<Dim>& tree_;
-    Points last_{};
-    Squares reaches_;  ///< distances from `last_` within which there is a piece
-};
+    });
+    return squares;
+}
 
 /// @param distances  if given, takes the distance of each center to the nearest piece, mm.
 template <int Dim>
@@ -115,47 +111,30 @@ ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
                             std::vector<double>* distances) {
     requireVerifiable(spheres);
     requirePlanes(clips);
-    constexpr std::size_t kMostPieces = 150'000'000;  // bins count their entries in 32 bits
+    constexpr std::size_t kMostPieces = 150'000'000;  // the tree counts them in 32 bits
     if (pieces.size() > kMostPieces)
         throw ResourceError(fmt::format(
             "wall: {} pieces are more than can be checked at once ({}); simplify the mesh",
             pieces.size(), kMostPieces));
-    const WallTree<Dim> tree(std::move(pieces));
-    const WallSides<Dim> sides(tree.pieces());
-    const auto order = coherentOrder(spheres);
-    if (distances) distances->resize(spheres.size());
-    // Of the same spheres for any number of threads, so that distances are the same to the last
-    // bit.
-    constexpr std::size_t kBlock = 64 * WallTree<Dim>::kTogether;
+    std::vector<Vec<Dim>> centers(spheres.size());
+    forAll(centers.size(), [&](std::size_t i) { centers[i] = spheres[i].center; });
+    const WallSides<Dim> sides(pieces, centers);
+    const auto squares = nearestSquares<Dim>(spheres, std::move(pieces), [&](std::size_t i) {
+        return sides.inside(i) && !distances ? spheres[i].radius * spheres[i].radius
+                                             : std::numeric_limits<double>::infinity();
+    });
+    if (distances) {
+        distances->resize(spheres.size());
+        forAll(spheres.size(), [&](std::size_t i) { (*distances)[i] = std::sqrt(squares[i]); });
+    }
     auto result = tbb::parallel_reduce(
-        IndexRange(0, (spheres.size() + kBlock - 1) / kBlock, 1), ProtrusionCheck{},
-        [&](const IndexRange& blocks, ProtrusionCheck check) {
-            for (std::size_t b = blocks.begin(); b < blocks.end(); ++b) {
-                NearestPieces<Dim> nearest(tree);
-                const std::size_t end = std::min(spheres.size(), (b + 1) * kBlock);
-                for (std::size_t k = b * kBlock; k < end; k += WallTree<Dim>::kTogether) {
-                    std::array<std::size_t, WallTree<Dim>::kTogether> which;
-                    typename WallTree<Dim>::Points centers;
-                    typename WallTree<Dim>::Squares bounds;
-                    std::array<bool, WallTree<Dim>::kTogether> inside;
-                    for (std::size_t l = 0; l < which.size(); ++l) {
-                        which[l] = order[std::min(k + l, end - 1)];
-                        const Sphere<Dim>& s = spheres[which[l]];
-                        centers[l] = s.center;
-                        inside[l] = sides.inside(s.center);
-                        bounds[l] = inside[l] && !distances
-                                        ? s.radius * s.radius
-                                        : std::numeric_limits<double>::infinity();
-                    }
-                    const auto squares = nearest.squaredDistances(centers, bounds);
-                    for (std::size_t l = 0; l < which.size() && k + l < end; ++l) {
-                        const double distance = std::sqrt(squares[l]), r = spheres[which[l]].radius;
-                        if (distances) (*distances)[which[l]] = distance;
-                        const double inner = std::min(inside[l] ? distance : -distance,
-                                                      innerDistance(clips, centers[l]));
-                        note(check, which[l], (r - inner) / r);
-                    }
-                }
+        IndexRange(0, spheres.size(), 4096), ProtrusionCheck{},
+        [&](const IndexRange& block, ProtrusionCheck check) {
+            for (std::size_t i = block.begin(); i < block.end(); ++i) {
+                const double distance = std::sqrt(squares[i]), r = spheres[i].radius;
+                const double inner = std::min(sides.inside(i) ? distance : -distance,
+                                              innerDistance(clips, centers[i]));
+                note(check, i, (r - inner) / r);
             }
             return check;
         },

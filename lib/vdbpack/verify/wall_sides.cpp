@@ -1,5 +1,6 @@
 #include "vdbpack/verify/wall_sides.h"
 
+#include "vdbpack/core/box.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/verify/counting.h"
 #include "vdbpack/verify/mix.h"
@@ -16,10 +17,9 @@ namespace vdbpack {
 
 namespace {
 
-/// Entries of bins a piece, on average: over a foam lie so many layers of pieces that one bin a
-/// piece is far smaller than a piece.
-constexpr std::size_t kMostEntries = 10;
-constexpr double kMostBinsAnAxis = 4096;  // bounds the rows that a large triangle is cut into
+/// Rows of bins that a piece or a point stands for, on average: large triangles lie over many.
+constexpr double kMostRows = 4;
+constexpr double kMostBinsAnAxis = 4096;
 
 template <int Dim>
 std::uint64_t cornerHash(const Vec<Dim>& p) {
@@ -53,156 +53,167 @@ bool rayCrosses(double px, double py, double ax, double ay, double bx, double by
     return ax + (py - ay) / (by - ay) * (bx - ax) > px;
 }
 
-}  // namespace
-
+/// Points in bins across an axis, and on which sides of each an odd number of pieces lies.
 template <int Dim>
-std::size_t WallCrossings<Dim>::clampedBin(double x, int i) const {
-    const auto k = static_cast<std::size_t>(i);
-    const double b = (x - bounds_.lo[across_[k]]) / binSize_[k];
-    return static_cast<std::size_t>(std::clamp(b, 0.0, static_cast<double>(bins_[k] - 1)));
-}
+class Crossings {
+public:
+    Crossings(const std::vector<WallPiece<Dim>>& pieces, const std::vector<Vec<Dim>>& points,
+              int axis)
+        : axis_(axis) {
+        std::size_t k = 0;
+        for (int i = 0; i < Dim; ++i)
+            if (i != axis) across_[k++] = i;
+        for (const auto& x : points) bounds_.add(x);
+        chooseBins(pieces, points.size());
+        fillBins(points);
+        parallelFor(IndexRange(0, pieces.size(), 1024), [&](const IndexRange& block) {
+            for (std::size_t i = block.begin(); i < block.end(); ++i) cross(pieces[i]);
+        });
+    }
 
-template <int Dim>
-template <typename Work>
-void WallCrossings<Dim>::forAllPieces(const Work& work) const {
-    parallelFor(IndexRange(0, pieces_.size(), 1024), [&](const IndexRange& block) {
-        for (std::size_t i = block.begin(); i < block.end(); ++i)
-            if (!work(i)) return;
-    });
-}
+    /// Calls `visit(point, above, below)` for all points: whether the pieces above a point, and
+    /// those below it, are odd in number.
+    template <typename Visit>
+    void forEach(const Visit& visit) const {
+        forAll(number_.size(), [&](std::size_t m) {
+            const unsigned odd = odd_[m].load(std::memory_order_relaxed);
+            visit(number_[m], (odd & kAbove) != 0, (odd & kBelow) != 0);
+        });
+    }
 
-template <int Dim>
-template <typename Visit>
-void WallCrossings<Dim>::forEachRun(const WallPiece<Dim>& piece, const Visit& visit) const {
-    const int u = across_[0], v = across_[1];
-    const Box<Dim> box = boxOf<Dim>(piece);
-    // Bins are entered a little generously: rounding must not lose a crossing.
-    const double margin = 1e-6 * binSize_[0];
-    if constexpr (Dim == 2) {
-        visit(clampedBin(box.lo[u] - margin, 0), clampedBin(box.hi[u] + margin, 0));
-    } else {
-        const double rowMargin = 1e-6 * binSize_[1];
-        const std::size_t lastRow = clampedBin(box.hi[v] + rowMargin, 1);
-        for (std::size_t row = clampedBin(box.lo[v] - rowMargin, 1); row <= lastRow; ++row) {
-            // The part of the shadow between the sides of this row, by its extent along u.
-            const double side = bounds_.lo[v] + static_cast<double>(row) * binSize_[1];
-            const double v0 =
-                row == 0 ? -std::numeric_limits<double>::infinity() : side - rowMargin;
-            const double v1 = row + 1 == bins_[1] ? std::numeric_limits<double>::infinity()
-                                                  : side + binSize_[1] + rowMargin;
-            double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-            for (std::size_t k = 0; k < piece.size(); ++k) {
-                const Vec<Dim>&a = piece[k], &b = piece[(k + 1) % piece.size()];
-                if (a[v] >= v0 && a[v] <= v1) {
-                    lo = std::min(lo, a[u]);
-                    hi = std::max(hi, a[u]);
-                }
-                for (const double cut : {v0, v1}) {
-                    if ((a[v] < cut) == (b[v] < cut)) continue;
-                    const double at = a[u] + (cut - a[v]) / (b[v] - a[v]) * (b[u] - a[u]);
-                    lo = std::min(lo, at);
-                    hi = std::max(hi, at);
-                }
-            }
-            if (lo > hi) continue;
-            visit(row * bins_[0] + clampedBin(lo - margin, 0),
-                  row * bins_[0] + clampedBin(hi + margin, 0));
+private:
+    static constexpr std::uint8_t kAbove = 1, kBelow = 2;
+
+    std::size_t clampedBin(double x, int i) const {
+        const auto k = static_cast<std::size_t>(i);
+        const double b = (x - bounds_.lo[across_[k]]) / binSize_[k];
+        return static_cast<std::size_t>(std::clamp(b, 0.0, static_cast<double>(bins_[k] - 1)));
+    }
+    std::size_t binOf(const Vec<Dim>& x) const {
+        return clampedBin(x[across_[0]], 0) +
+               (Dim == 3 ? clampedBin(x[across_[1]], 1) * bins_[0] : 0);
+    }
+
+    /// About one bin a point, bins near square; fewer rows where large pieces lie over many.
+    void chooseBins(const std::vector<WallPiece<Dim>>& pieces, std::size_t points) {
+        const auto n = static_cast<double>(points);
+        const Vec<Dim> size = bounds_.size();
+        const double su = size[across_[0]], sv = Dim == 3 ? size[across_[1]] : 0;
+        double nu = std::min(n, kMostBinsAnAxis), nv = 1;
+        if (Dim == 3 && sv > 0) {
+            const double extents = tbb::parallel_deterministic_reduce(
+                IndexRange(0, pieces.size(), 65536), 0.0,
+                [&](const IndexRange& block, double sum) {
+                    for (std::size_t i = block.begin(); i < block.end(); ++i)
+                        sum += boxOf<Dim>(pieces[i]).size()[across_[1]];
+                    return sum;
+                },
+                [](double a, double b) { return a + b; });
+            const double most = kMostRows * (n + static_cast<double>(pieces.size()));
+            const double rows = extents * n > most * sv ? most * sv / extents : n;
+            nv = std::clamp(std::sqrt(su > 0 ? n * sv / su : n), 1.0,
+                            std::max(1.0, std::min(rows, kMostBinsAnAxis)));
+            nu = std::clamp(n / nv, 1.0, kMostBinsAnAxis);
         }
-    }
-}
-
-template <int Dim>
-WallCrossings<Dim>::WallCrossings(const std::vector<WallPiece<Dim>>& pieces, int axis)
-    : pieces_(pieces), axis_(axis) {
-    std::size_t k = 0;
-    for (int i = 0; i < Dim; ++i)
-        if (i != axis) across_[k++] = i;
-    for (const auto& piece : pieces)
-        for (const auto& p : piece) bounds_.add(p);
-    chooseBins();
-    fillBins();
-}
-
-/// About one bin a piece, bins near square; fewer where large pieces meet too many of them.
-template <int Dim>
-void WallCrossings<Dim>::chooseBins() {
-    const double n = static_cast<double>(pieces_.size());
-    const Vec<Dim> size = bounds_.size();
-    const double su = size[across_[0]], sv = Dim == 3 ? size[across_[1]] : 0;
-    double nu = n, nv = 1;
-    if (Dim == 3) {
-        const double aspect = su > 0 && sv > 0 ? su / sv : 1;
-        nu = std::clamp(std::sqrt(n * aspect), 1.0, kMostBinsAnAxis);
-        nv = std::clamp(n / nu, 1.0, kMostBinsAnAxis);
-    }
-    for (;;) {
         bins_ = {static_cast<std::size_t>(nu), static_cast<std::size_t>(nv)};
         binSize_ = {su > 0 ? su / static_cast<double>(bins_[0]) : 1.0,
                     sv > 0 ? sv / static_cast<double>(bins_[1]) : 1.0};
-        // Rows count like entries and counting ends at the limit: a mesh of nothing but giant
-        // triangles must not cost the product of triangles and rows.
-        const std::size_t most = kMostEntries * pieces_.size() + 1024;
-        std::atomic<std::size_t> entries{0};
-        forAllPieces([&](std::size_t i) {
-            if (i % 64 == 0 && entries.load(std::memory_order_relaxed) > most) return false;
-            std::size_t sum = 0;
-            forEachRun(pieces_[i],
-                       [&](std::size_t first, std::size_t last) { sum += last - first + 1; });
-            entries.fetch_add(sum, std::memory_order_relaxed);
-            return true;
-        });
-        if (entries <= most || bins_[0] * bins_[1] == 1) return;
-        nu = std::max(1.0, nu / 2);
-        nv = std::max(1.0, nv / 2);
     }
-}
 
-/// Sorts the pieces into the bins by counting.
-template <int Dim>
-void WallCrossings<Dim>::fillBins() {
-    std::vector<std::atomic<std::uint32_t>> next(bins_[0] * bins_[1]);
-    forAllPieces([&](std::size_t i) {
-        forEachRun(pieces_[i], [&](std::size_t first, std::size_t last) {
-            for (std::size_t b = first; b <= last; ++b)
-                next[b].fetch_add(1, std::memory_order_relaxed);
-        });
-        return true;
-    });
-    start_ = startsOf(next);
-    members_.resize(start_.back());
-    forAllPieces([&](std::size_t i) {
-        forEachRun(pieces_[i], [&](std::size_t first, std::size_t last) {
-            for (std::size_t b = first; b <= last; ++b)
-                members_[next[b].fetch_add(1, std::memory_order_relaxed)] =
-                    static_cast<std::uint32_t>(i);
-        });
-        return true;
-    });
-}
+    /// Sorts the points into the bins by counting.
+    void fillBins(const std::vector<Vec<Dim>>& points) {
+        std::vector<std::atomic<std::uint32_t>> next(bins_[0] * bins_[1]);
+        for (const auto& x : points) next[binOf(x)].fetch_add(1, std::memory_order_relaxed);
+        start_ = startsOf(next);
+        points_.resize(points.size());
+        number_.resize(points.size());
+        odd_ = std::vector<std::atomic<std::uint8_t>>(points.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::uint32_t m = next[binOf(points[i])].fetch_add(1, std::memory_order_relaxed);
+            points_[m] = points[i];
+            number_[m] = static_cast<std::uint32_t>(i);
+        }
+    }
 
-template <int Dim>
-typename WallCrossings<Dim>::Count WallCrossings<Dim>::count(const Vec<Dim>& x) const {
-    Count result;
-    const int u = across_[0], v = across_[1], w = axis_;
-    if (!(x[u] >= bounds_.lo[u] && x[u] <= bounds_.hi[u])) return result;
-    if (Dim == 3 && !(x[v] >= bounds_.lo[v] && x[v] <= bounds_.hi[v])) return result;
-    const std::size_t bin = clampedBin(x[u], 0) + (Dim == 3 ? clampedBin(x[v], 1) * bins_[0] : 0);
-    for (std::uint32_t m = start_[bin]; m < start_[bin + 1]; ++m) {
-        const WallPiece<Dim>& p = pieces_[members_[m]];
+    /// Calls `visit(first, last)` for each run of bins that a piece's shadow meets.
+    template <typename Visit>
+    void forEachRun(const WallPiece<Dim>& piece, const Visit& visit) const {
+        const int u = across_[0];
+        const Box<Dim> box = boxOf<Dim>(piece);
+        if (box.hi[u] < bounds_.lo[u] || box.lo[u] > bounds_.hi[u]) return;
+        // Bins are entered a little generously: rounding must not lose a crossing.
+        const double margin = 1e-6 * binSize_[0];
+        const std::size_t from = clampedBin(box.lo[u] - margin, 0);
+        const std::size_t to = clampedBin(box.hi[u] + margin, 0);
+        if constexpr (Dim == 2) {
+            visit(from, to);
+        } else {
+            const int v = across_[1];
+            if (box.hi[v] < bounds_.lo[v] || box.lo[v] > bounds_.hi[v]) return;
+            const double rowMargin = 1e-6 * binSize_[1];
+            const std::size_t firstRow = clampedBin(box.lo[v] - rowMargin, 1);
+            const std::size_t lastRow = clampedBin(box.hi[v] + rowMargin, 1);
+            for (std::size_t row = firstRow; row <= lastRow; ++row) {
+                const std::size_t begin = row * bins_[0];
+                if (to - from < 3) {
+                    visit(begin + from, begin + to);
+                    continue;
+                }
+                // The part of the shadow between the sides of this row, by its extent along u.
+                const double side = bounds_.lo[v] + static_cast<double>(row) * binSize_[1];
+                const double v0 =
+                    row == 0 ? -std::numeric_limits<double>::infinity() : side - rowMargin;
+                const double v1 = row + 1 == bins_[1] ? std::numeric_limits<double>::infinity()
+                                                      : side + binSize_[1] + rowMargin;
+                double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+                for (std::size_t k = 0; k < piece.size(); ++k) {
+                    const Vec<Dim>&a = piece[k], &b = piece[(k + 1) % piece.size()];
+                    if (a[v] >= v0 && a[v] <= v1) {
+                        lo = std::min(lo, a[u]);
+                        hi = std::max(hi, a[u]);
+                    }
+                    for (const double cut : {v0, v1}) {
+                        if ((a[v] < cut) == (b[v] < cut)) continue;
+                        const double at = a[u] + (cut - a[v]) / (b[v] - a[v]) * (b[u] - a[u]);
+                        lo = std::min(lo, at);
+                        hi = std::max(hi, at);
+                    }
+                }
+                if (lo <= hi)
+                    visit(begin + clampedBin(lo - margin, 0), begin + clampedBin(hi + margin, 0));
+            }
+        }
+    }
+
+    /// Counts a piece for the points below and above it.
+    void cross(const WallPiece<Dim>& piece) {
+        forEachRun(piece, [&](std::size_t first, std::size_t last) {
+            for (std::uint32_t m = start_[first]; m < start_[last + 1]; ++m) {
+                const unsigned side = sideOf(piece, points_[m]);
+                if (side != 0)
+                    odd_[m].fetch_xor(static_cast<std::uint8_t>(side), std::memory_order_relaxed);
+            }
+        });
+    }
+
+    /// Where a piece crosses the line through a point: kAbove, kBelow or 0, nowhere.
+    unsigned sideOf(const WallPiece<Dim>& p, const Vec<Dim>& x) const {
+        const int u = across_[0], w = axis_;
         double height = 0, lowest = 0, highest = 0;
         if constexpr (Dim == 2) {
-            if ((p[0][u] > x[u]) == (p[1][u] > x[u])) continue;
+            if ((p[0][u] > x[u]) == (p[1][u] > x[u])) return 0;
             height = p[0][w] + (x[u] - p[0][u]) / (p[1][u] - p[0][u]) * (p[1][w] - p[0][w]);
             lowest = std::min(p[0][w], p[1][w]);
             highest = std::max(p[0][w], p[1][w]);
         } else {
+            const int v = across_[1];
             const bool s0 = p[0][v] > x[v], s1 = p[1][v] > x[v], s2 = p[2][v] > x[v];
-            if (s0 == s1 && s1 == s2) continue;
+            if (s0 == s1 && s1 == s2) return 0;
             const bool holds = (rayCrosses(x[u], x[v], p[0][u], p[0][v], p[1][u], p[1][v]) !=
                                 rayCrosses(x[u], x[v], p[1][u], p[1][v], p[2][u], p[2][v])) !=
                                rayCrosses(x[u], x[v], p[2][u], p[2][v], p[0][u], p[0][v]);
-            if (!holds) continue;
-            const Vec<3> n = cross(p[1] - p[0], p[2] - p[0]);
+            if (!holds) return 0;
+            const Vec<3> n = vdbpack::cross(p[1] - p[0], p[2] - p[0]);
             lowest = std::min({p[0][w], p[1][w], p[2][w]});
             highest = std::max({p[0][w], p[1][w], p[2][w]});
             height = n[w] != 0
@@ -210,16 +221,26 @@ typename WallCrossings<Dim>::Count WallCrossings<Dim>::count(const Vec<Dim>& x) 
                          : 0.5 * (lowest + highest);
         }
         // On a steep piece the quotient is noise, but its crossing lies within its own extent.
-        if (std::clamp(height, lowest, highest) > x[w])
-            ++result.above;
-        else
-            ++result.below;
+        return std::clamp(height, lowest, highest) > x[w] ? kAbove : kBelow;
     }
-    return result;
-}
+
+    int axis_;
+    std::array<int, 2> across_{};  ///< the other axes; 2D: the first only
+    Box<Dim> bounds_;              ///< of the points
+    std::array<std::size_t, 2> bins_{1, 1};
+    std::array<double, 2> binSize_{1, 1};         ///< mm
+    std::vector<std::uint32_t> start_;            ///< first point of each bin, and the end
+    std::vector<Vec<Dim>> points_;                ///< by bins
+    std::vector<std::uint32_t> number_;           ///< of each among the points given
+    std::vector<std::atomic<std::uint8_t>> odd_;  ///< of each: kAbove, kBelow
+};
+
+}  // namespace
 
 template <int Dim>
-WallSides<Dim>::WallSides(const std::vector<WallPiece<Dim>>& pieces) {
+WallSides<Dim>::WallSides(const std::vector<WallPiece<Dim>>& pieces,
+                          const std::vector<Vec<Dim>>& points)
+    : inside_(points.size()) {
     closed_ = tbb::parallel_reduce(
                   IndexRange(0, pieces.size(), 4096), std::uint64_t{0},
                   [&](const auto& block, std::uint64_t h) {
@@ -228,23 +249,17 @@ WallSides<Dim>::WallSides(const std::vector<WallPiece<Dim>>& pieces) {
                       return h;
                   },
                   [](std::uint64_t a, std::uint64_t b) { return a ^ b; }) == 0;
+    if (points.empty()) return;
     for (int axis = Dim - 1; axis >= (closed_ ? Dim - 1 : 0); --axis)
-        axes_.emplace_back(pieces, axis);
+        Crossings<Dim>(pieces, points, axis)
+            .forEach([&](std::size_t point, bool above, bool below) {
+                inside_[point] =
+                    static_cast<std::uint8_t>(inside_[point] + above + (!closed_ && below));
+            });
+    if (!closed_)
+        for (std::uint8_t& votes : inside_) votes = votes > Dim;
 }
 
-template <int Dim>
-bool WallSides<Dim>::inside(const Vec<Dim>& x) const {
-    if (closed_) return axes_.front().count(x).above % 2 != 0;
-    int votes = 0;
-    for (const auto& axis : axes_) {
-        const auto c = axis.count(x);
-        votes += c.above % 2 + c.below % 2;
-    }
-    return votes > Dim;
-}
-
-template class WallCrossings<2>;
-template class WallCrossings<3>;
 template class WallSides<2>;
 template class WallSides<3>;
 

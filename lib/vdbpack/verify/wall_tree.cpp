@@ -3,6 +3,7 @@
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/symmetric.h"
+#include "vdbpack/verify/piece_distance.h"
 
 #include <tbb/parallel_invoke.h>
 
@@ -11,15 +12,18 @@
 #include <cstring>
 #include <limits>
 #include <utility>
-#if defined(__AVX__)
-#include <immintrin.h>
-#endif
 
 namespace vdbpack {
 
+using namespace pieces;
+
 namespace {
 
-constexpr std::uint32_t kLeafPieces = 2;
+constexpr std::uint32_t kLeafPieces = 4;
+/// Most pieces of a node with a disc: more are hardly flat.
+constexpr std::uint32_t kDiscPieces = 64;
+/// Distances to discs are off by less, of that to the center.
+constexpr double kDiscRounding = 1e-6;
 /// Square of a piece's extent divided by its area, above which it counts as long; that of an
 /// equilateral triangle is below 5.
 constexpr double kLong = 64;
@@ -37,96 +41,13 @@ std::uint32_t nodeCount(std::uint32_t n) {
     return n <= kLeafPieces ? 1 : 1 + nodeCount(n / 2) + nodeCount(n - n / 2);
 }
 
-/// Four numbers: arithmetic, comparisons and `?:` go lane by lane, each rounded as IEEE 754 asks.
-using Four [[gnu::vector_size(32)]] = double;
-using Lanes = std::array<double, 4>;
-static_assert(sizeof(Four) == sizeof(Lanes));
-
-bool any(decltype(Four{} < Four{}) mask) {
-#if defined(__AVX__)
-    return _mm256_movemask_pd(reinterpret_cast<__m256d>(mask)) != 0;
-#else
-    return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
-#endif
+/// Normal of a piece as long as it has area (2D: as it is long).
+Vec<2> normalOf(const WallPiece<2>& p) {
+    const Vec<2> along = p[1] - p[0];
+    return {{-along[1], along[0]}};
 }
-
-// One number or four: the same formula, the same bits.
-
-template <class Number, int Dim>
-using Coordinates = std::array<Number, static_cast<std::size_t>(Dim)>;
-
-template <class Number>
-Number smaller(Number a, Number b) {
-    return a < b ? a : b;
-}
-template <class Number>
-Number larger(Number a, Number b) {
-    return a > b ? a : b;
-}
-
-template <class Number, int Dim>
-Coordinates<Number, Dim> relative(const Coordinates<Number, Dim>& x, const Vec<Dim>& to) {
-    Coordinates<Number, Dim> d = x;
-    for (std::size_t i = 0; i < d.size(); ++i) d[i] -= to.c[i];
-    return d;
-}
-
-template <class Number, int Dim>
-Number product(const Coordinates<Number, Dim>& a, const Vec<Dim>& b) {
-    Number sum = a[0] * b.c[0];
-    for (std::size_t i = 1; i < a.size(); ++i) sum += a[i] * b.c[i];
-    return sum;
-}
-
-/// Squared distance to the segment from 0 to `edge`, mm².
-template <class Number, int Dim>
-Number squaredDistanceToEdge(Coordinates<Number, Dim> x, const Vec<Dim>& edge) {
-    const double square = squaredLength(edge);
-    const double inverse = square > 1e-290 ? 1 / square : 0;
-    const Number zero{},
-        t = smaller(larger(product<Number, Dim>(x, edge) * inverse, zero), zero + 1);
-    Number sum{};
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        x[i] -= t * edge.c[i];
-        sum += x[i] * x[i];
-    }
-    return sum;
-}
-
-bool anyLess(double a, double b) {
-    return a < b;
-}
-bool anyLess(Four a, Four b) {
-    return any(a < b);
-}
-
-/// Squared distance to a piece, mm²; anything not below `bound` where that is not below.
-template <class Number>
-Number squaredDistanceTo(const WallPiece<2>& piece, const Coordinates<Number, 2>& x,
-                         Number /*bound*/) {
-    return squaredDistanceToEdge<Number, 2>(relative<Number, 2>(x, piece[0]), piece[1] - piece[0]);
-}
-
-template <class Number>
-Number squaredDistanceTo(const WallPiece<3>& piece, const Coordinates<Number, 3>& x, Number bound) {
-    const Vec<3> ab = piece[1] - piece[0], ac = piece[2] - piece[0];
-    const auto ap = relative<Number, 3>(x, piece[0]);
-    const Vec<3> n = cross(ab, ac);
-    const double nn = squaredLength(n);
-    // The normal of a thinner sliver is noise, but then its edges are near all of it.
-    const bool flat = nn > 1e-16 * squaredLength(ab) * squaredLength(ac);
-    Number toPlane{};
-    if (flat) {
-        const Number h = product<Number, 3>(ap, n);
-        toPlane = h * h * (1 / nn);
-        if (!anyLess(toPlane, bound)) return toPlane;
-    }
-    const Number toEdges = smaller(
-        smaller(squaredDistanceToEdge<Number, 3>(ap, ab), squaredDistanceToEdge<Number, 3>(ap, ac)),
-        squaredDistanceToEdge<Number, 3>(relative<Number, 3>(x, piece[1]), ac - ab));
-    if (!flat) return toEdges;
-    const Number u = product<Number, 3>(ap, cross(n, ab)), v = product<Number, 3>(ap, cross(ac, n));
-    return ((u >= 0.0) & (v >= 0.0) & (u + v <= nn)) ? toPlane : toEdges;
+Vec<3> normalOf(const WallPiece<3>& p) {
+    return cross(p[1] - p[0], p[2] - p[0]);
 }
 
 }  // namespace
@@ -204,6 +125,39 @@ private:
         return longest;
     }
 
+    /// The disc across the mean normal of some pieces.
+    Disc discOf(std::uint32_t first, std::uint32_t count) const {
+        Disc disc{};
+        Vec<Dim> normal{};
+        Box<Dim> box;
+        for (std::uint32_t k = first; k < first + count; ++k) {
+            const WallPiece<Dim>& piece = tree_.pieces_[items_[k].piece];
+            normal += normalOf(piece);
+            for (const Vec<Dim>& p : piece) box.add(p);
+        }
+        const double size = length(normal);
+        if (!(size > 0) || !std::isfinite(size)) return disc;
+        Vec<Dim> center = box.center() - tree_.origin_;
+        for (std::size_t i = 0; i < disc.normal.size(); ++i) {
+            disc.normal[i] = static_cast<float>(normal.c[i] / size);
+            disc.center[i] = static_cast<float>(center.c[i]);
+            normal.c[i] = double{disc.normal[i]};
+            center.c[i] = double{disc.center[i]};
+        }
+        double half = 0, square = 0;
+        for (std::uint32_t k = first; k < first + count; ++k)
+            for (const Vec<Dim>& p : tree_.pieces_[items_[k].piece]) {
+                const Vec<Dim> to = p - tree_.origin_ - center;
+                const double height = dot(to, normal);
+                half = std::max(half, std::abs(height));
+                square = std::max(square, squaredLength(to) - height * height);
+            }
+        const double slack = slack_ + kDiscRounding * std::sqrt(square + half * half);
+        disc.half = above(half + slack);
+        disc.radius = above(std::sqrt(square) + slack);
+        return disc;
+    }
+
     /// The box along the principal axes of some pieces.
     Frame frameOf(std::uint32_t first, std::uint32_t count) const {
         Vec<Dim> mean{};
@@ -239,6 +193,7 @@ private:
     void subtree(std::uint32_t at, std::uint32_t first, std::uint32_t count) {
         Node& node = tree_.nodes_[at];
         if (!tree_.frames_.empty()) tree_.frames_[at] = frameOf(first, count);
+        if (!tree_.discs_.empty() && count <= kDiscPieces) tree_.discs_[at] = discOf(first, count);
         if (count <= kLeafPieces) return leaf(node, first, count);
         const std::size_t axis = longestAxis(first, count);
         const std::uint32_t half = count / 2;
@@ -293,7 +248,10 @@ WallTree<Dim>::WallTree(std::vector<WallPiece<Dim>> pieces) : pieces_(std::move(
         for (const auto& p : piece) bounds.add(p);
     origin_ = bounds.center();
     nodes_.resize(nodeCount(static_cast<std::uint32_t>(pieces_.size())));
-    if (areLong(pieces_)) frames_.resize(nodes_.size());
+    if (areLong(pieces_))
+        frames_.resize(nodes_.size());
+    else
+        discs_.resize(nodes_.size());
     double largest = 0;
     for (int i = 0; i < Dim; ++i)
         largest = std::max({largest, std::abs(bounds.lo[i]), std::abs(bounds.hi[i])});
@@ -304,7 +262,8 @@ WallTree<Dim>::WallTree(std::vector<WallPiece<Dim>> pieces) : pieces_(std::move(
 
 template <int Dim>
 typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& points,
-                                                                const Squares& bounds) const {
+                                                                const Squares& bounds,
+                                                                Pieces& nearest) const {
     Coordinates<Four, Dim> x, local;
     for (std::size_t i = 0; i < x.size(); ++i) {
         for (std::size_t k = 0; k < kTogether; ++k) x[i][k] = points[k].c[i];
@@ -312,6 +271,17 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
     }
     Four bound;
     std::memcpy(&bound, &bounds, sizeof bound);
+    const auto lookAt = [&](std::uint32_t piece) {
+        const Four square = squaredDistanceTo<Four>(pieces_[piece], x, bound);
+        const auto less = square < bound;
+        if (!any(less)) return;
+        bound = less ? square : bound;
+        for (std::size_t k = 0; k < kTogether; ++k)
+            if (less[k] != 0) nearest[k] = piece;
+    };
+    const Pieces first = nearest;
+    for (std::size_t k = 0; k < kTogether; ++k)
+        if (first[k] != kNone && (k == 0 || first[k] != first[k - 1])) lookAt(first[k]);
     const auto toBox = [&](std::uint32_t at) {
         Four sum{};
         if (!frames_.empty()) {
@@ -332,6 +302,22 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
         }
         return sum;
     };
+    const auto isNear = [&](std::uint32_t at, const Four& toIt) {
+        if (!any(toIt < bound)) return false;
+        if (discs_.empty() || discs_[at].half < 0) return true;
+        const Disc& disc = discs_[at];
+        Four height{}, square{};
+        for (std::size_t i = 0; i < local.size(); ++i) {
+            const Four to = local[i] - double{disc.center[i]};
+            height += to * double{disc.normal[i]};
+            square += to * to;
+        }
+        const Four zero{};
+        const Four beside =
+            larger(squareRoot(larger(square - height * height, zero)) - double{disc.radius}, zero);
+        const Four beyond = larger(larger(height, -height) - double{disc.half}, zero);
+        return any((beside * beside + beyond * beyond) * (1 - kDiscRounding) < bound);
+    };
     struct Open {
         std::uint32_t node;
         Four square;
@@ -341,9 +327,8 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
     std::size_t top = 1;
     while (top > 0) {
         const Open open = stack[--top];
-        if (!any(open.square < bound)) continue;
         std::uint32_t at = open.node;
-        bool alive = true;
+        bool alive = isNear(at, open.square);
         while (alive && nodes_[at].count == 0) {
             std::uint32_t near = at + 1, far = nodes_[at].first;
             Four toNear = toBox(near), toFar = toBox(far);
@@ -354,11 +339,11 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
             }
             if (any(toFar < bound)) stack[top++] = {far, toFar};
             at = near;
-            alive = any(toNear < bound);
+            alive = isNear(at, toNear);
         }
         if (!alive) continue;
         for (std::uint32_t k = nodes_[at].first; k < nodes_[at].first + nodes_[at].count; ++k)
-            bound = smaller(bound, squaredDistanceTo<Four>(pieces_[k], x, bound));
+            lookAt(k);
     }
     Squares squares;
     std::memcpy(&squares, &bound, sizeof squares);
@@ -367,7 +352,8 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
 
 template <int Dim>
 double WallTree<Dim>::squaredDistance(const Vec<Dim>& x, double bound) const {
-    return squaredDistances({x, x, x, x}, {bound, bound, bound, bound})[0];
+    Pieces nearest = noPieces();
+    return squaredDistances({x, x, x, x}, {bound, bound, bound, bound}, nearest)[0];
 }
 
 template class WallTree<2>;

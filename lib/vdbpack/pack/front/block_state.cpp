@@ -34,15 +34,16 @@ bool BlockState<Dim>::findWall(const Vec<Dim>& inside, const Vec<Dim>& x, double
 }
 
 template <int Dim>
-double BlockState<Dim>::clearance(const Vec<Dim>& x, double reach) const {
+double BlockState<Dim>::clearance(const Vec<Dim>& x, double reach, double enough) const {
     double least = reach;
     cells.near(x, reach, [&](std::uint32_t i) {
         least = std::min(least, length(spheres[i].center - x) - spheres[i].radius);
-        return true;
+        return least > enough;
     });
-    if (least <= 0) return least;
+    if (least <= std::max(enough, 0.0)) return least;
     WallPoint<Dim> wall;
     const Vec<Dim> global = x + origin;
+    if (enough > 0 && sampler->depthRange(global).most <= enough) return enough;
     if (sampler->nearestWall(global, least, wall)) least = wall.distance;
     return sampler->contains(global) ? least : -least;
 }
@@ -57,7 +58,7 @@ void BlockState<Dim>::climb(Vec<Dim>& x, double& room, double reach, double leas
                 Vec<Dim> y = x;
                 y[d] += sign * step;
                 if (!owns(y)) continue;
-                const double c = clearance(y, reach);
+                const double c = clearance(y, reach, bestRoom);
                 if (c > bestRoom) bestRoom = c, best = y;
             }
         if (bestRoom > room) {

@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace vdbpack {
@@ -110,8 +111,9 @@ struct BlockState {
                   TangentPlane<Dim>& plane, double& distance) const;
 
     /// Distance from `x` to the nearest sphere or wall, at most `reach`, mm; negative outside the
-    /// domain and inside a sphere.
-    double clearance(const Vec<Dim>& x, double reach) const;
+    /// domain and inside a sphere. Where it is not above `enough`, any number that is not.
+    double clearance(const Vec<Dim>& x, double reach,
+                     double enough = -std::numeric_limits<double>::infinity()) const;
 
     /// Moves `x` uphill to where its clearance `room` is largest, at most `reach`, mm.
     /// @param least  radius of which a quarter is the first step, mm.
