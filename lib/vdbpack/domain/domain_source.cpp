@@ -294,6 +294,13 @@ std::shared_ptr<const Domain<Dim>> DomainSource::envelopeOf(
     return {domain, &domain->envelope()};
 }
 
+std::shared_ptr<const MeshDomain> DomainSource::field(double voxelSize,
+                                                      const Callbacks& callbacks) const {
+    FieldOptions options = fieldOptions(voxelSize, voxelSize, 0);
+    options.fieldFirst = true;
+    return meshDomain(mesh_, options, callbacks);
+}
+
 DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
                                         const Callbacks& callbacks, double voxelSize) const {
     Built built;

@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <utility>
 
 namespace vdbpack {
@@ -109,11 +110,16 @@ private:
     double distance_ = 0;
 };
 
+/// What questions to the triangles take.
+struct Triangles {
+    std::unique_ptr<const FacetBins<3>> bins;
+    std::unique_ptr<const MeshSides> sides;
+};
+
 struct Parts {
     SharedMesh mesh;
     std::unique_ptr<const VdbField> field;
-    std::unique_ptr<const FacetBins<3>> bins;
-    std::unique_ptr<const MeshSides> sides;
+    std::shared_ptr<const Triangles> triangles;  // null: not made yet
     MeshNesting nesting;
     std::shared_ptr<const MeshDomain> envelope;  // null: the domain itself
     std::string name;
@@ -131,11 +137,20 @@ std::vector<Facet<3>> facetsOf(const TriangleMesh& mesh) {
     return facets;
 }
 
+std::shared_ptr<const Triangles> trianglesOf(const SharedMesh& mesh, bool watertight) {
+    auto triangles = std::make_shared<Triangles>();
+    // Each is partly serial.
+    invokeAll([&] { triangles->bins = std::make_unique<const FacetBins<3>>(facetsOf(*mesh)); },
+              [&] { triangles->sides = std::make_unique<const MeshSides>(mesh, watertight); });
+    return triangles;
+}
+
 class FieldDomain : public MeshDomain,
                     public Sliceable,
                     public std::enable_shared_from_this<FieldDomain> {
 public:
-    explicit FieldDomain(Parts parts) : parts_(std::move(parts)), bounds_(parts_.mesh->bounds()) {}
+    explicit FieldDomain(Parts parts)
+        : parts_(std::move(parts)), bounds_(parts_.mesh->bounds()), triangles_(parts_.triangles) {}
 
     Box<3> bounds() const override { return bounds_; }
     double volume() const override { return parts_.volume; }
@@ -152,8 +167,11 @@ public:
     }
     double fieldDepth() const override { return parts_.field->depth(); }
     std::unique_ptr<DomainSampler<3>> sampler() const override {
-        return std::make_unique<MeshDomainSampler>(*parts_.field, *parts_.bins, *parts_.sides,
-                                                   parts_.contour);
+        std::call_once(once_, [&] {
+            if (!triangles_) triangles_ = trianglesOf(parts_.mesh, parts_.nesting.watertight);
+        });
+        return std::make_unique<MeshDomainSampler>(*parts_.field, *triangles_->bins,
+                                                   *triangles_->sides, parts_.contour);
     }
     DomainFacts facts() const override { return parts_.facts; }
     const Domain<3>& envelope() const override {
@@ -174,35 +192,14 @@ public:
 private:
     Parts parts_;
     Box<3> bounds_;
+    mutable std::once_flag once_;
+    mutable std::shared_ptr<const Triangles> triangles_;
 };
 
 /// Whether a level set in voxels of `voxelSize` can be the field where `wanted` is the size of the
 /// voxels of a new field.
 bool isAbout(double voxelSize, double wanted) {
     return voxelSize > 0.4 * wanted && voxelSize < 1.5 * wanted;
-}
-
-MeshNesting nestingOf(const MeshAnalysis& analysis) {
-    const ShellAnalysis& shells = analysis.shells;
-    const std::size_t n = shells.shellOfTriangle.size();
-    MeshNesting nesting;
-    nesting.watertight = analysis.health.isWatertight();
-    if (std::any_of(shells.shells.begin(), shells.shells.end(),
-                    [](const Shell& shell) { return shell.depth > 0; })) {
-        nesting.depthOfTriangle.resize(n);
-        forAll(n, [&](std::size_t i) {
-            const int depth = shells.shells[shells.shellOfTriangle[i]].depth;
-            nesting.depthOfTriangle[i] = static_cast<std::uint8_t>(std::min(depth, 255));
-        });
-    }
-    if (isClean(analysis.health)) {
-        nesting.facing.resize(n);
-        forAll(n, [&](std::size_t i) {
-            const Shell& shell = shells.shells[shells.shellOfTriangle[i]];
-            nesting.facing[i] = (shell.signedVolume > 0) == (shell.depth % 2 == 0) ? 1 : -1;
-        });
-    }
-    return nesting;
 }
 
 /// Builds the field of a mesh, or takes a level set for it, such that inside and outside are as the
@@ -334,11 +331,12 @@ Parts makeParts(SharedMesh shared, const VdbGrid* levelSet, const FieldOptions& 
     parts.nesting = nestingOf(*analysis);
     FieldBuilder builder(mesh, *analysis, parts.nesting, options, callbacks);
     builder.check(levelSet);
-    // Each is partly serial.
-    invokeAll(
-        [&] { builder.build(levelSet); },
-        [&] { parts.bins = std::make_unique<const FacetBins<3>>(facetsOf(mesh)); },
-        [&] { parts.sides = std::make_unique<const MeshSides>(shared, parts.nesting.watertight); });
+    // The field, too, is partly serial.
+    invokeAll([&] { builder.build(levelSet); },
+              [&] {
+                  if (!options.fieldFirst)
+                      parts.triangles = trianglesOf(shared, parts.nesting.watertight);
+              });
     if (!isClean(health)) {
         callbacks.warn(fmt::format(
             "{}: the mesh has flaws: {}; its field is sound and is used ({:.6g} mm³, the mesh "

@@ -38,6 +38,9 @@ struct FieldOptions {
     /// Whether the mesh is known to be sound, such as a contour of our own: its thickness and the
     /// volume of its field are not checked.
     bool sound = false;
+    /// Whether the level set is all that will be asked for: what distances to the triangles take is
+    /// then made at the first question.
+    bool fieldFirst = false;
     /// Of this mesh, if the caller has it already; null: made.
     std::shared_ptr<const MeshAnalysis> analysis;
     /// What `Domain::envelope` is to be; null: the domain itself.

@@ -1,6 +1,7 @@
 #include "vdbpack/domain/mesh_requirements.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/smallest_voxel.h"
 
 #include <fmt/format.h>
@@ -158,6 +159,29 @@ void refuseVoxels(const std::string& name, const MeshHealth& health, double fiel
         "to {:.2g} mm or less",
         name, voxelSize, clearance.thickness, gaps, fieldVolume, health.enclosedVolume,
         fineEnough));
+}
+
+MeshNesting nestingOf(const MeshAnalysis& analysis) {
+    const ShellAnalysis& shells = analysis.shells;
+    const std::size_t n = shells.shellOfTriangle.size();
+    MeshNesting nesting;
+    nesting.watertight = analysis.health.isWatertight();
+    if (std::any_of(shells.shells.begin(), shells.shells.end(),
+                    [](const Shell& shell) { return shell.depth > 0; })) {
+        nesting.depthOfTriangle.resize(n);
+        forAll(n, [&](std::size_t i) {
+            const int depth = shells.shells[shells.shellOfTriangle[i]].depth;
+            nesting.depthOfTriangle[i] = static_cast<std::uint8_t>(std::min(depth, 255));
+        });
+    }
+    if (isClean(analysis.health)) {
+        nesting.facing.resize(n);
+        forAll(n, [&](std::size_t i) {
+            const Shell& shell = shells.shells[shells.shellOfTriangle[i]];
+            nesting.facing[i] = (shell.signedVolume > 0) == (shell.depth % 2 == 0) ? 1 : -1;
+        });
+    }
+    return nesting;
 }
 
 }  // namespace vdbpack

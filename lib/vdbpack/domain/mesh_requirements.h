@@ -3,7 +3,9 @@
 #pragma once
 
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/field/vdb_field.h"
 #include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/wall_clearance.h"
 
 #include <string>
@@ -49,5 +51,8 @@ std::string flawsOf(const MeshHealth& health);
 [[noreturn]] void refuseVoxels(const std::string& name, const MeshHealth& health,
                                double fieldVolume, double voxelSize, const WallClearance& clearance,
                                double fineEnough);
+
+/// What a field is told of the shells of a mesh.
+MeshNesting nestingOf(const MeshAnalysis& analysis);
 
 }  // namespace vdbpack

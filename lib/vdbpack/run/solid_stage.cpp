@@ -245,7 +245,7 @@ std::shared_ptr<const MeshDomain> fieldOfMesh(TriangleMesh mesh, DomainRecipe so
     Extent extent = extentOf(source, voxel, voxel);
     extent.imageVoxels = images * size[0] * size[1] * size[2] / (voxel * voxel * voxel);
     requireResources(extent, settings);
-    return source.build(voxel, voxel, callbacks).mesh;
+    return source.field(voxel, callbacks);
 }
 
 bool isImageSolid(const MeasureRecipe& recipe) {
