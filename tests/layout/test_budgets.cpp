@@ -21,20 +21,20 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95293},
+    {"lib", 95419},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2575},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 3948},
-    {"lib/vdbpack/verify", 2342},
+    {"lib/vdbpack/verify", 2426},
     {"lib/vdbpack/image", 5708},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2860},
-    {"lib/vdbpack/domain", 7007},
-    {"lib/vdbpack/pack", 8011},
+    {"lib/vdbpack/domain", 7047},
+    {"lib/vdbpack/pack", 8014},
     {"lib/vdbpack/densify", 6008},
     {"lib/vdbpack/bonds", 696},
-    {"lib/vdbpack/measure", 5668},
+    {"lib/vdbpack/measure", 5667},
     {"lib/vdbpack/voids", 8077},
     {"lib/vdbpack/formats", 10308},
     {"lib/vdbpack/report", 4056},
@@ -43,8 +43,8 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3618},
     {"lib/vdbpack/run", 7702},
-    {"tools", 3940},
-    {"tests", 35757},
+    {"tools", 3942},
+    {"tests", 35767},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

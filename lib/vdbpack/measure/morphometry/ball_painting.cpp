@@ -1,5 +1,7 @@
 #include "vdbpack/measure/morphometry/ball_painting.h"
 
+#include "vdbpack/core/lanes.h"
+
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -13,7 +15,8 @@ namespace {
 /// Balls reach this much farther, voxels: those of one wall stand a voxel apart, and between them
 /// lie strips of up to 1 / (8 radius) that none of them covers.
 constexpr float kCover = 0.1f;
-constexpr std::int64_t kBrick = 8;   // voxels along an edge: a plane of it is one word of bits
+constexpr std::int64_t kBrick = 8;  // voxels along an edge: a plane of it is one word of bits
+static_assert(kBrick == kLanes);
 constexpr std::int64_t kBricks = 8;  // bricks along an edge of a tile
 constexpr std::int64_t kTile = kBrick * kBricks;
 
@@ -84,26 +87,22 @@ private:
         return static_cast<std::size_t>((bz * kBricks + by) * kBricks + bx);
     }
 
-    /// The voxels of a plane of a brick within the square root of `square` of `c` in x and y; those
-    /// of `plane` for sure, others perhaps.
-    static std::uint64_t disk(const Place& corner, const Place& c, float square,
-                              std::uint64_t plane) {
-        std::uint64_t inside = 0;
-        if (square < 0) return inside;
-        const float x = c[0] - corner[0], y = c[1] - corner[1];
-        for (int j = 0; j < kBrick; ++j) {
-            if ((plane >> j * kBrick & 0xFF) == 0) continue;
-            const float dy = static_cast<float>(j) - y;
-            const float room = square - dy * dy;
-            if (room < 0) continue;
-            const float half = std::sqrt(room);
-            const float low = std::max(x - half, 0.0f), high = std::min(x + half, kBrick - 1.0f);
-            if (!(low <= high)) continue;
-            const int first = static_cast<int>(std::ceil(low)), last = static_cast<int>(high);
-            if (first > last) continue;
-            inside |= ((std::uint64_t{2} << last) - (std::uint64_t{1} << first)) << j * kBrick;
-        }
-        return inside;
+    /// The voxels of a plane of a brick within the square root of `square` of `c` in x and y.
+    static std::uint64_t disk(const Place& corner, const Place& c, float square) {
+        if (square < 0) return 0;
+        const float x = c[0] - corner[0];
+        const Float8 dy = Float8{0, 1, 2, 3, 4, 5, 6, 7} - (c[1] - corner[1]);
+        const Float8 room = square - dy * dy;
+        const Float8 half = squareRoot(larger(room, 0.0f));
+        const Float8 low = larger(x - half, 0.0f), high = smaller(x + half, kBrick - 1.0f);
+        const Int8 first = roundedUp(low), last = __builtin_convertvector(high, Int8);
+        const Int8 one = Int8{} + 1;
+        const Int8 rows = ((one + one) << (last & 7)) - (one << (first & 7));
+        const Int8 inside = rows & (room >= 0.0f) & (low <= high) & (first <= last);
+        std::uint64_t bits = 0;
+        for (std::size_t j = 0; j < kLanes; ++j)
+            bits |= static_cast<std::uint64_t>(static_cast<std::uint32_t>(inside[j])) << 8 * j;
+        return bits;
     }
 
     void paintBrick(std::int64_t bx, std::int64_t by, std::int64_t bz, const Place& c, float reach,
@@ -127,7 +126,7 @@ private:
             if (plane == 0) continue;
             const float dz = corner[2] + static_cast<float>(k) - c[2];
             std::uint64_t covered = farthest <= square ? plane : 0;
-            if (covered == 0) covered = plane & disk(corner, c, square - dz * dz, plane);
+            if (covered == 0) covered = plane & disk(corner, c, square - dz * dz);
             plane &= ~covered;
             rest |= plane;
             while (covered != 0) {
