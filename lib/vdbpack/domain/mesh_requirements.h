@@ -52,7 +52,7 @@ std::string flawsOf(const MeshHealth& health);
                                double fieldVolume, double voxelSize, const WallClearance& clearance,
                                double fineEnough);
 
-/// What a field is told of the shells of a mesh.
+/// What a field needs to know of the shells of a mesh.
 MeshNesting nestingOf(const MeshAnalysis& analysis);
 
 }  // namespace vdbpack

@@ -260,33 +260,71 @@ WallTree<Dim>::WallTree(std::vector<WallPiece<Dim>> pieces) : pieces_(std::move(
     builder.orderPieces();
 }
 
+/// One search for four points.
 template <int Dim>
-typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& points,
-                                                                const Squares& bounds,
-                                                                Pieces& nearest) const {
-    Coordinates<Four, Dim> x, local;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        for (std::size_t k = 0; k < kTogether; ++k) x[i][k] = points[k].c[i];
-        local[i] = x[i] - origin_.c[i];
-    }
-    Four bound;
-    std::memcpy(&bound, &bounds, sizeof bound);
-    const auto lookAt = [&](std::uint32_t piece) {
-        const Four square = squaredDistanceTo<Four>(pieces_[piece], x, bound);
-        const auto less = square < bound;
-        if (!any(less)) return;
-        bound = less ? square : bound;
+class WallTree<Dim>::Search {
+public:
+    Search(const WallTree& tree, const Points& points, const Squares& bounds, Pieces& nearest)
+        : tree_(tree), nearest_(nearest) {
+        for (std::size_t i = 0; i < x_.size(); ++i) {
+            for (std::size_t k = 0; k < kTogether; ++k) x_[i][k] = points[k].c[i];
+            local_[i] = x_[i] - tree.origin_.c[i];
+        }
+        std::memcpy(&bound_, &bounds, sizeof bound_);
+        const Pieces first = nearest;
         for (std::size_t k = 0; k < kTogether; ++k)
-            if (less[k] != 0) nearest[k] = piece;
-    };
-    const Pieces first = nearest;
-    for (std::size_t k = 0; k < kTogether; ++k)
-        if (first[k] != kNone && (k == 0 || first[k] != first[k - 1])) lookAt(first[k]);
-    const auto toBox = [&](std::uint32_t at) {
+            if (first[k] != kNone && (k == 0 || first[k] != first[k - 1])) lookAt(first[k]);
+    }
+
+    Squares run() {
+        struct Open {
+            std::uint32_t node;
+            Four square;
+        };
+        const auto& nodes = tree_.nodes_;
+        std::array<Open, 64> stack;  // the tree halves, so its depth is below 32
+        stack[0] = {0, toBox(0)};
+        std::size_t top = 1;
+        while (top > 0) {
+            const Open open = stack[--top];
+            std::uint32_t at = open.node;
+            bool alive = isNear(at, open.square);
+            while (alive && nodes[at].count == 0) {
+                std::uint32_t near = at + 1, far = nodes[at].first;
+                Four toNear = toBox(near), toFar = toBox(far);
+                const Four less = toFar - toNear;
+                if (less[0] + less[1] + less[2] + less[3] < 0) {
+                    std::swap(near, far);
+                    std::swap(toNear, toFar);
+                }
+                if (any(toFar < bound_)) stack[top++] = {far, toFar};
+                at = near;
+                alive = isNear(at, toNear);
+            }
+            for (std::uint32_t k = 0; alive && k < nodes[at].count; ++k)
+                lookAt(nodes[at].first + k);
+        }
+        Squares squares;
+        std::memcpy(&squares, &bound_, sizeof squares);
+        return squares;
+    }
+
+private:
+    void lookAt(std::uint32_t piece) {
+        const Four square = squaredDistanceTo<Four>(tree_.pieces_[piece], x_, bound_);
+        const auto less = square < bound_;
+        if (!any(less)) return;
+        bound_ = less ? square : bound_;
+        for (std::size_t k = 0; k < kTogether; ++k)
+            if (less[k] != 0) nearest_[k] = piece;
+    }
+
+    /// Squared distances to the box of a node.
+    Four toBox(std::uint32_t at) const {
         Four sum{};
-        if (!frames_.empty()) {
-            const Frame& frame = frames_[at];
-            const auto to = relative<Four, Dim>(x, frame.center);
+        if (!tree_.frames_.empty()) {
+            const Frame& frame = tree_.frames_[at];
+            const auto to = relative<Four, Dim>(x_, frame.center);
             for (std::size_t i = 0; i < to.size(); ++i) {
                 const Four p = product<Four, Dim>(to, frame.axes[i]);
                 const Four d = larger(larger(p, -p) - frame.half.c[i], Four{});
@@ -294,21 +332,23 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
             }
             return sum;
         }
-        const Node& node = nodes_[at];
-        for (std::size_t i = 0; i < local.size(); ++i) {
+        const Node& node = tree_.nodes_[at];
+        for (std::size_t i = 0; i < local_.size(); ++i) {
             const Four d = larger(
-                larger(double{node.lo[i]} - local[i], local[i] - double{node.hi[i]}), Four{});
+                larger(double{node.lo[i]} - local_[i], local_[i] - double{node.hi[i]}), Four{});
             sum += d * d;
         }
         return sum;
-    };
-    const auto isNear = [&](std::uint32_t at, const Four& toIt) {
-        if (!any(toIt < bound)) return false;
-        if (discs_.empty() || discs_[at].half < 0) return true;
-        const Disc& disc = discs_[at];
+    }
+
+    /// Whether a piece of a node may be nearer than the bounds. @param box  of `toBox`
+    bool isNear(std::uint32_t at, const Four& box) const {
+        if (!any(box < bound_)) return false;
+        if (tree_.discs_.empty() || tree_.discs_[at].half < 0) return true;
+        const Disc& disc = tree_.discs_[at];
         Four height{}, square{};
-        for (std::size_t i = 0; i < local.size(); ++i) {
-            const Four to = local[i] - double{disc.center[i]};
+        for (std::size_t i = 0; i < local_.size(); ++i) {
+            const Four to = local_[i] - double{disc.center[i]};
             height += to * double{disc.normal[i]};
             square += to * to;
         }
@@ -316,38 +356,20 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
         const Four beside =
             larger(squareRoot(larger(square - height * height, zero)) - double{disc.radius}, zero);
         const Four beyond = larger(larger(height, -height) - double{disc.half}, zero);
-        return any((beside * beside + beyond * beyond) * (1 - kDiscRounding) < bound);
-    };
-    struct Open {
-        std::uint32_t node;
-        Four square;
-    };
-    std::array<Open, 64> stack;  // the tree halves, so its depth is below 32
-    stack[0] = {0, toBox(0)};
-    std::size_t top = 1;
-    while (top > 0) {
-        const Open open = stack[--top];
-        std::uint32_t at = open.node;
-        bool alive = isNear(at, open.square);
-        while (alive && nodes_[at].count == 0) {
-            std::uint32_t near = at + 1, far = nodes_[at].first;
-            Four toNear = toBox(near), toFar = toBox(far);
-            const Four less = toFar - toNear;
-            if (less[0] + less[1] + less[2] + less[3] < 0) {
-                std::swap(near, far);
-                std::swap(toNear, toFar);
-            }
-            if (any(toFar < bound)) stack[top++] = {far, toFar};
-            at = near;
-            alive = isNear(at, toNear);
-        }
-        if (!alive) continue;
-        for (std::uint32_t k = nodes_[at].first; k < nodes_[at].first + nodes_[at].count; ++k)
-            lookAt(k);
+        return any((beside * beside + beyond * beyond) * (1 - kDiscRounding) < bound_);
     }
-    Squares squares;
-    std::memcpy(&squares, &bound, sizeof squares);
-    return squares;
+
+    const WallTree& tree_;
+    Pieces& nearest_;
+    Coordinates<Four, Dim> x_, local_;  ///< local: from the tree's origin
+    Four bound_;
+};
+
+template <int Dim>
+typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& points,
+                                                                const Squares& bounds,
+                                                                Pieces& nearest) const {
+    return Search(*this, points, bounds, nearest).run();
 }
 
 template <int Dim>

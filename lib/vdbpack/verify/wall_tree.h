@@ -48,6 +48,7 @@ public:
 
 private:
     class Builder;
+    class Search;
     struct Node {
         std::array<float, static_cast<std::size_t>(Dim)> lo, hi;  ///< rounded outward
         std::uint32_t first = 0;  ///< leaf: first piece; else the second child (the first is next)
