@@ -97,8 +97,8 @@ public:
                 const Vec<3> lattice{{double(c[0]), double(c[1]), double(c[2])}};
                 voxels.push_back({origin_ + lattice * voxelSize, *on});
             }
-        std::vector<Vec<3>> points;
-        for (const Voxel& voxel : voxels) points.push_back(voxel.at);
+        std::vector<Sphere<3>> points;
+        for (const Voxel& voxel : voxels) points.push_back({voxel.at, 0});
         const WallSides<3> sides(tree_.pieces(), points);
         std::vector<double> errors(voxels.size());
         std::atomic<std::size_t> wrong{0};

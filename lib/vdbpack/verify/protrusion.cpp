@@ -116,9 +116,7 @@ ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
         throw ResourceError(fmt::format(
             "wall: {} pieces are more than can be checked at once ({}); simplify the mesh",
             pieces.size(), kMostPieces));
-    std::vector<Vec<Dim>> centers(spheres.size());
-    forAll(centers.size(), [&](std::size_t i) { centers[i] = spheres[i].center; });
-    const WallSides<Dim> sides(pieces, centers);
+    const WallSides<Dim> sides(pieces, spheres);
     const auto squares = nearestSquares<Dim>(spheres, std::move(pieces), [&](std::size_t i) {
         return sides.inside(i) && !distances ? spheres[i].radius * spheres[i].radius
                                              : std::numeric_limits<double>::infinity();
@@ -133,7 +131,7 @@ ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
             for (std::size_t i = block.begin(); i < block.end(); ++i) {
                 const double distance = std::sqrt(squares[i]), r = spheres[i].radius;
                 const double inner = std::min(sides.inside(i) ? distance : -distance,
-                                              innerDistance(clips, centers[i]));
+                                              innerDistance(clips, spheres[i].center));
                 note(check, i, (r - inner) / r);
             }
             return check;

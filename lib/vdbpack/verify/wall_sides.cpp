@@ -17,7 +17,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Rows of bins that a piece or a point stands for, on average: large triangles lie over many.
+/// Rows of bins that a piece or a center stands for, on average: large triangles lie over many.
 constexpr double kMostRows = 4;
 constexpr double kMostBinsAnAxis = 4096;
 
@@ -53,26 +53,26 @@ bool rayCrosses(double px, double py, double ax, double ay, double bx, double by
     return ax + (py - ay) / (by - ay) * (bx - ax) > px;
 }
 
-/// Points in bins across an axis, and on which sides of each an odd number of pieces lies.
+/// Centers in bins across an axis, and on which sides of each an odd number of pieces lies.
 template <int Dim>
 class Crossings {
 public:
-    Crossings(const std::vector<WallPiece<Dim>>& pieces, const std::vector<Vec<Dim>>& points,
+    Crossings(const std::vector<WallPiece<Dim>>& pieces, const std::vector<Sphere<Dim>>& spheres,
               int axis)
         : axis_(axis) {
         std::size_t k = 0;
         for (int i = 0; i < Dim; ++i)
             if (i != axis) across_[k++] = i;
-        for (const auto& x : points) bounds_.add(x);
-        chooseBins(pieces, points.size());
-        fillBins(points);
+        for (const auto& s : spheres) bounds_.add(s.center);
+        chooseBins(pieces, spheres.size());
+        fillBins(spheres);
         parallelFor(IndexRange(0, pieces.size(), 1024), [&](const IndexRange& block) {
             for (std::size_t i = block.begin(); i < block.end(); ++i) cross(pieces[i]);
         });
     }
 
-    /// Calls `visit(point, above, below)` for all points: whether the pieces above a point, and
-    /// those below it, are odd in number.
+    /// Calls `visit(sphere, above, below)` for all: whether the pieces above its center, and those
+    /// below it, are odd in number.
     template <typename Visit>
     void forEach(const Visit& visit) const {
         forAll(number_.size(), [&](std::size_t m) {
@@ -94,9 +94,9 @@ private:
                (Dim == 3 ? clampedBin(x[across_[1]], 1) * bins_[0] : 0);
     }
 
-    /// About one bin a point, bins near square; fewer rows where large pieces lie over many.
-    void chooseBins(const std::vector<WallPiece<Dim>>& pieces, std::size_t points) {
-        const auto n = static_cast<double>(points);
+    /// About one bin a center, bins near square; fewer rows where large pieces lie over many.
+    void chooseBins(const std::vector<WallPiece<Dim>>& pieces, std::size_t count) {
+        const auto n = static_cast<double>(count);
         const Vec<Dim> size = bounds_.size();
         const double su = size[across_[0]], sv = Dim == 3 ? size[across_[1]] : 0;
         double nu = std::min(n, kMostBinsAnAxis), nv = 1;
@@ -120,17 +120,18 @@ private:
                     sv > 0 ? sv / static_cast<double>(bins_[1]) : 1.0};
     }
 
-    /// Sorts the points into the bins by counting.
-    void fillBins(const std::vector<Vec<Dim>>& points) {
+    /// Sorts the centers into the bins by counting.
+    void fillBins(const std::vector<Sphere<Dim>>& spheres) {
         std::vector<std::atomic<std::uint32_t>> next(bins_[0] * bins_[1]);
-        for (const auto& x : points) next[binOf(x)].fetch_add(1, std::memory_order_relaxed);
+        for (const auto& s : spheres) next[binOf(s.center)].fetch_add(1, std::memory_order_relaxed);
         start_ = startsOf(next);
-        points_.resize(points.size());
-        number_.resize(points.size());
-        odd_ = std::vector<std::atomic<std::uint8_t>>(points.size());
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const std::uint32_t m = next[binOf(points[i])].fetch_add(1, std::memory_order_relaxed);
-            points_[m] = points[i];
+        centers_.resize(spheres.size());
+        number_.resize(spheres.size());
+        odd_ = std::vector<std::atomic<std::uint8_t>>(spheres.size());
+        for (std::size_t i = 0; i < spheres.size(); ++i) {
+            const std::uint32_t m =
+                next[binOf(spheres[i].center)].fetch_add(1, std::memory_order_relaxed);
+            centers_[m] = spheres[i].center;
             number_[m] = static_cast<std::uint32_t>(i);
         }
     }
@@ -185,18 +186,18 @@ private:
         }
     }
 
-    /// Counts a piece for the points below and above it.
+    /// Counts a piece for the centers below and above it.
     void cross(const WallPiece<Dim>& piece) {
         forEachRun(piece, [&](std::size_t first, std::size_t last) {
             for (std::uint32_t m = start_[first]; m < start_[last + 1]; ++m) {
-                const unsigned side = sideOf(piece, points_[m]);
+                const unsigned side = sideOf(piece, centers_[m]);
                 if (side != 0)
                     odd_[m].fetch_xor(static_cast<std::uint8_t>(side), std::memory_order_relaxed);
             }
         });
     }
 
-    /// Where a piece crosses the line through a point: kAbove, kBelow or 0, nowhere.
+    /// Where a piece crosses the line through a center: kAbove, kBelow or 0, nowhere.
     unsigned sideOf(const WallPiece<Dim>& p, const Vec<Dim>& x) const {
         const int u = across_[0], w = axis_;
         double height = 0, lowest = 0, highest = 0;
@@ -226,12 +227,12 @@ private:
 
     int axis_;
     std::array<int, 2> across_{};  ///< the other axes; 2D: the first only
-    Box<Dim> bounds_;              ///< of the points
+    Box<Dim> bounds_;              ///< of the centers
     std::array<std::size_t, 2> bins_{1, 1};
     std::array<double, 2> binSize_{1, 1};         ///< mm
-    std::vector<std::uint32_t> start_;            ///< first point of each bin, and the end
-    std::vector<Vec<Dim>> points_;                ///< by bins
-    std::vector<std::uint32_t> number_;           ///< of each among the points given
+    std::vector<std::uint32_t> start_;            ///< first center of each bin, and the end
+    std::vector<Vec<Dim>> centers_;               ///< by bins
+    std::vector<std::uint32_t> number_;           ///< of each among the spheres
     std::vector<std::atomic<std::uint8_t>> odd_;  ///< of each: kAbove, kBelow
 };
 
@@ -239,8 +240,8 @@ private:
 
 template <int Dim>
 WallSides<Dim>::WallSides(const std::vector<WallPiece<Dim>>& pieces,
-                          const std::vector<Vec<Dim>>& points)
-    : inside_(points.size()) {
+                          const std::vector<Sphere<Dim>>& spheres)
+    : inside_(spheres.size()) {
     closed_ = tbb::parallel_reduce(
                   IndexRange(0, pieces.size(), 4096), std::uint64_t{0},
                   [&](const auto& block, std::uint64_t h) {
@@ -249,12 +250,12 @@ WallSides<Dim>::WallSides(const std::vector<WallPiece<Dim>>& pieces,
                       return h;
                   },
                   [](std::uint64_t a, std::uint64_t b) { return a ^ b; }) == 0;
-    if (points.empty()) return;
+    if (spheres.empty()) return;
     for (int axis = Dim - 1; axis >= (closed_ ? Dim - 1 : 0); --axis)
-        Crossings<Dim>(pieces, points, axis)
-            .forEach([&](std::size_t point, bool above, bool below) {
-                inside_[point] =
-                    static_cast<std::uint8_t>(inside_[point] + above + (!closed_ && below));
+        Crossings<Dim>(pieces, spheres, axis)
+            .forEach([&](std::size_t sphere, bool above, bool below) {
+                inside_[sphere] =
+                    static_cast<std::uint8_t>(inside_[sphere] + above + (!closed_ && below));
             });
     if (!closed_)
         for (std::uint8_t& votes : inside_) votes = votes > Dim;
