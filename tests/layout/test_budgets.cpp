@@ -21,12 +21,12 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95442},
+    {"lib", 95441},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2575},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 3948},
-    {"lib/vdbpack/verify", 2449},
+    {"lib/vdbpack/verify", 2448},
     {"lib/vdbpack/image", 5708},
     {"lib/vdbpack/field", 5965},
     {"lib/vdbpack/repair", 2860},
