@@ -12,7 +12,8 @@ trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
 apt-get download -qq openctm-tools=1.0.3+dfsg1-2.1+b3 libopenctm1=1.0.3+dfsg1-2.1+b3 libtinyxml2.6.2v5 2>/dev/null
 for package in ./*.deb; do dpkg -x "$package" root; done
-export LD_LIBRARY_PATH=$PWD/root/usr/lib/x86_64-linux-gnu
+lib=$(find "$PWD/root" -name "libopenctm.so.1*" -print -quit)
+export LD_LIBRARY_PATH=${lib%/*}
 
 cat >blocks.py <<'P'
 """write FILE.off X0 X1 Z [X0 X1 Z ...]: blocks of 10 along y; show FILE.off: what came back"""

@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3618},
     {"lib/vdbpack/run", 7702},
     {"tools", 3942},
-    {"tests", 35767},
+    {"tests", 35769},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -119,7 +119,7 @@ struct Triangles {
 struct Parts {
     SharedMesh mesh;
     std::unique_ptr<const VdbField> field;
-    std::shared_ptr<const Triangles> triangles;  // null: not made yet
+    mutable std::shared_ptr<const Triangles> triangles;  // null: not made yet
     MeshNesting nesting;
     std::shared_ptr<const MeshDomain> envelope;  // null: the domain itself
     std::string name;
@@ -149,8 +149,7 @@ class FieldDomain : public MeshDomain,
                     public Sliceable,
                     public std::enable_shared_from_this<FieldDomain> {
 public:
-    explicit FieldDomain(Parts parts)
-        : parts_(std::move(parts)), bounds_(parts_.mesh->bounds()), triangles_(parts_.triangles) {}
+    explicit FieldDomain(Parts parts) : parts_(std::move(parts)), bounds_(parts_.mesh->bounds()) {}
 
     Box<3> bounds() const override { return bounds_; }
     double volume() const override { return parts_.volume; }
@@ -168,10 +167,12 @@ public:
     double fieldDepth() const override { return parts_.field->depth(); }
     std::unique_ptr<DomainSampler<3>> sampler() const override {
         std::call_once(once_, [&] {
-            if (!triangles_) triangles_ = trianglesOf(parts_.mesh, parts_.nesting.watertight);
+            if (!parts_.triangles)
+                parts_.triangles = trianglesOf(parts_.mesh, parts_.nesting.watertight);
         });
-        return std::make_unique<MeshDomainSampler>(*parts_.field, *triangles_->bins,
-                                                   *triangles_->sides, parts_.contour);
+        const Triangles& triangles = *parts_.triangles;
+        return std::make_unique<MeshDomainSampler>(*parts_.field, *triangles.bins, *triangles.sides,
+                                                   parts_.contour);
     }
     DomainFacts facts() const override { return parts_.facts; }
     const Domain<3>& envelope() const override {
@@ -192,8 +193,7 @@ public:
 private:
     Parts parts_;
     Box<3> bounds_;
-    mutable std::once_flag once_;
-    mutable std::shared_ptr<const Triangles> triangles_;
+    mutable std::once_flag once_;  // of the triangles
 };
 
 /// Whether a level set in voxels of `voxelSize` can be the field where `wanted` is the size of the

@@ -17,7 +17,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Rows of bins that a piece or a center stands for, on average: large triangles lie over many.
+/// Rows of bins that pieces lie over at most, for each piece and each center.
 constexpr double kMostRows = 4;
 constexpr double kMostBinsAnAxis = 4096;
 
@@ -110,7 +110,7 @@ private:
                 },
                 [](double a, double b) { return a + b; });
             const double most = kMostRows * (n + static_cast<double>(pieces.size()));
-            const double rows = extents * n > most * sv ? most * sv / extents : n;
+            const double rows = extents > 0 ? most * sv / extents : kMostBinsAnAxis;
             nv = std::clamp(std::sqrt(su > 0 ? n * sv / su : n), 1.0,
                             std::max(1.0, std::min(rows, kMostBinsAnAxis)));
             nu = std::clamp(n / nv, 1.0, kMostBinsAnAxis);
