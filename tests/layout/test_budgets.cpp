@@ -21,17 +21,17 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95441},
+    {"lib", 95622},
     {"lib/python", 2063},
-    {"lib/vdbpack/core", 2575},
+    {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 3948},
     {"lib/vdbpack/verify", 2448},
     {"lib/vdbpack/image", 5708},
-    {"lib/vdbpack/field", 5965},
+    {"lib/vdbpack/field", 6076},
     {"lib/vdbpack/repair", 2860},
-    {"lib/vdbpack/domain", 7047},
-    {"lib/vdbpack/pack", 8014},
+    {"lib/vdbpack/domain", 7050},
+    {"lib/vdbpack/pack", 8033},
     {"lib/vdbpack/densify", 6008},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5667},
@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3618},
     {"lib/vdbpack/run", 7702},
     {"tools", 3942},
-    {"tests", 35769},
+    {"tests", 35791},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -1,8 +1,10 @@
 #include "measure/packs.h"
 #include "support/ball_domain.h"
+#include "support/generators.h"
 #include "support/test.h"
 
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/measure/vacancies.h"
 
@@ -72,6 +74,24 @@ TEST_CASE("a field that ends at the requested depth gives the same interior", "[
     REQUIRE_THROWS_AS(interiorFraction(spheres, shallowBall(R, depth), depth + 0.1),
                       ParameterError);
     REQUIRE_THROWS_AS(interiorFraction(spheres, *ballDomain<3>(R), -1.0), ParameterError);
+}
+
+TEST_CASE("the interior of a mesh is that of its shape, in voxels of any size") {
+    // The layer that is deep enough is thinner than the coarser voxels.
+    const double depth = GENERATE(1.5, 1.8);
+    const Vec<3> half{{2, 15, 15}};
+    const auto spheres = randomSpheres<3>(40000, 24, 0.2, 2, 5);
+    const auto exact = boxDomain<3>({half * -1, half});
+    const auto mesh = boxMesh(half * -1, half);
+    const double expected = *interiorFraction(spheres, *exact, depth);
+    for (const double voxelSize : {0.1, 0.31, 0.57}) {
+        CAPTURE(depth, voxelSize);
+        FieldOptions options;
+        options.voxelSize = voxelSize;
+        options.depth = depth;
+        CHECK(*interiorFraction(spheres, *meshDomain(mesh, options), depth) ==
+              Approx(expected).epsilon(0.025));
+    }
 }
 
 TEST_CASE("an empty ball has its largest place in the middle") {

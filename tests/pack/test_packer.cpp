@@ -228,12 +228,14 @@ DIM_TEST_CASE("moving or scaling the domain does the same to the fraction") {
 }
 
 TEST_CASE("the target count is met") {
-    const auto domain = cylinderDomain(30, 80);
+    const auto [domain, target] =
+        GENERATE(std::pair(cylinderDomain(30, 80), 9000.0), std::pair(ballDomain<3>(9), 25000.0),
+                 std::pair(boxDomain<3>({{{0, 0, 0}}, {{50, 50, 5}}}), 25000.0));
     PackOptions options(SizeDistribution::parse("uniform:1,2", 3));
-    const double scale = scaleForCount(*domain, options, 9000);
+    const double scale = scaleForCount(*domain, options, target);
     options.sizes = options.sizes.scaled(scale);
     const auto count = static_cast<double>(packSpheres(*domain, options).pack.spheres.size());
-    CHECK(count == Approx(9000).epsilon(0.02));
+    CHECK(count == Approx(target).epsilon(0.02));
     CHECK_THROWS_AS(scaleForCount(*domain, options, 0), ParameterError);
 }
 

@@ -260,7 +260,7 @@ private:
     /// @return whether the volume of the field agrees with that of the mesh.
     bool voxelize(double size) {
         field = std::make_unique<VdbField>(mesh_, nesting_, size, options_.depth, callbacks_);
-        volume = field->volumeDeeperThan(0);
+        volume = field->volume();
         if (!(volume > 0)) return false;
         if (options_.sound) return true;
         const double difference =

@@ -1,5 +1,6 @@
 #include "vdbpack/domain/mesh_slice.h"
 
+#include "vdbpack/core/cell_share.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/facet_bins.h"
@@ -204,11 +205,13 @@ private:
     double areaDeeperThan(double depth) const {
         std::vector<double> sums(static_cast<std::size_t>(nodes_[1]));
         const auto across = static_cast<std::size_t>(nodes_[0]);
-        for (std::size_t row = 0; row < sums.size(); ++row)
-            for (std::size_t i = 0; i < across; ++i)
-                sums[row] += std::clamp(
-                    0.5 - (static_cast<double>(raster_[row * across + i]) + depth) / spacing_, 0.0,
-                    1.0);
+        const auto level = static_cast<float>(-depth);
+        for (std::size_t row = 0; row + 1 < sums.size(); ++row)
+            for (std::size_t i = 0; i + 1 < across; ++i) {
+                const float* const v = raster_.data() + row * across + i;
+                sums[row] += shareBelowZero<2>(
+                    {v[0] - level, v[1] - level, v[across] - level, v[across + 1] - level});
+            }
         return spacing_ * spacing_ * std::accumulate(sums.begin(), sums.end(), 0.0);
     }
 

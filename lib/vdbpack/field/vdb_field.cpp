@@ -1,10 +1,9 @@
 #include "vdbpack/field/vdb_field.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/lanes.h"
-#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/band_width.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/field/level_volume.h"
 #include "vdbpack/field/narrow_band.h"
 #include "vdbpack/field/sealed_band.h"
 #include "vdbpack/field/vdb_grid.h"
@@ -56,17 +55,6 @@ FloatGrid::Ptr sealedBands(const LatticeMesh& lattice,
     return grid;
 }
 
-/// Calls `visit(value, voxels)` for all values of a tree above its leaves; the tree's own iterator
-/// takes as long for them as all leaves do.
-template <class Node, class Visit>
-void forEachTile(const Node& node, const Visit& visit) {
-    using Child = typename Node::ChildNodeType;
-    for (auto tile = node.cbeginValueAll(); tile; ++tile)
-        visit(*tile, static_cast<double>(Child::NUM_VOXELS));
-    if constexpr (Child::LEVEL > 0)
-        for (auto child = node.cbeginChildOn(); child; ++child) forEachTile(*child, visit);
-}
-
 }  // namespace
 
 struct VdbField::Impl {
@@ -77,29 +65,6 @@ struct VdbField::Impl {
     double deepest = 0;  // at which distances are clamped, less a little, mm; 0: they are not exact
     mutable std::once_flag surfaceOnce;
     mutable std::shared_ptr<const VdbGrid> surface;
-
-    /// Sum of `share(value)` over all voxels, in voxels; the same for any number of threads and
-    /// lanes.
-    template <class Share>
-    double sumOverVoxels(const Share& share) const {
-        const openvdb::tree::LeafManager<const FloatGrid::TreeType> leafs(grid->tree());
-        std::vector<double> sums(leafs.leafCount());
-        parallelFor(IndexRange(0, sums.size(), 64), [&](const IndexRange& range) {
-            for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                const float* const values = leafs.leaf(i).buffer().data();
-                std::array<double, kLanes> lanes{};
-                for (std::size_t k = 0; k < Leaf::SIZE; k += kLanes)
-                    for (std::size_t l = 0; l < kLanes; ++l) lanes[l] += share(values[k + l]);
-                sums[i] = std::accumulate(lanes.begin(), lanes.end(), 0.0);
-            }
-        });
-        double total = 0;
-        for (const double sum : sums) total += sum;
-        forEachTile(grid->tree().root(), [&](float value, double voxels) {
-            if (value < 0) total += voxels * share(value);
-        });
-        return total;
-    }
 };
 
 VdbField::VdbField(const TriangleMesh& mesh, const MeshNesting& nesting, double voxelSize,
@@ -169,13 +134,14 @@ std::uint64_t VdbField::activeVoxels() const {
     return impl_->grid->activeVoxelCount();
 }
 
+double VdbField::volume() const {
+    const double h = impl_->voxelSize;
+    return h * h * h * volumeByVoxels(*impl_->grid, static_cast<float>(h));
+}
+
 double VdbField::volumeDeeperThan(double depth) const {
     const double h = impl_->voxelSize;
-    const auto shift = static_cast<float>(0.5 - depth / h);
-    const auto inverse = static_cast<float>(1 / h);
-    return h * h * h * impl_->sumOverVoxels([=](float value) {
-        return std::clamp(shift - value * inverse, 0.0f, 1.0f);
-    });
+    return h * h * h * volumeByCells(*impl_->grid, static_cast<float>(-depth));
 }
 
 std::shared_ptr<const VdbGrid> VdbField::surface() const {

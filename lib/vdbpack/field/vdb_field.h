@@ -48,7 +48,10 @@ public:
     /// Distances are clamped at this depth inside, mm.
     double depth() const;
     std::uint64_t activeVoxels() const;
-    /// Volume of the part deeper than `depth` mm: sum of the shares of voxels that lie inside.
+    /// Volume inside: sum of the shares of voxels.
+    double volume() const;
+    /// Volume of the part that is `depth` mm deep, as `Sampler` sees it: two parts of a bone closer
+    /// than a voxel, or an interior thinner than that, are seen alike by both.
     double volumeDeeperThan(double depth) const;
     /// The band cut to three voxels on both sides, in mm of the mesh, class level set, named
     /// `surface`. Made on the first call.

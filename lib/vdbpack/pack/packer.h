@@ -82,8 +82,9 @@ PackResult<Dim> packSpheres(const Domain<Dim>& domain, const PackOptions& option
 
 /// The factor on `options.sizes` for which about `count` spheres fill the domain.
 ///
-/// Found from two trial packs with larger radii, since the share of the domain that packs worse
-/// along the wall grows with the radius: costs about a quarter of the pack itself.
+/// Found from trial packs with larger radii, since the share of the domain that packs worse along
+/// the wall grows with the radius: costs 1/16 of the pack itself, about a quarter where the domain
+/// is thin for its spheres or the spheres are few.
 /// @param existing  as in `packSpheres`.
 /// @throws ParameterError if `count` < 1, or if by far not as many can keep the gap.
 template <int Dim>

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace vdbpack {
 
@@ -15,6 +16,16 @@ namespace {
 
 /// Factor on the radii of a trial that do not fit, and the least part of those that are sought.
 constexpr double kSmaller = 0.7, kSmallest = 0.5;
+
+/// Trial packs have `count` / these spheres: the last one is only made where the first two are too
+/// far from a line, or `count` is too small for them to tell.
+constexpr double kParts[] = {80, 20, 5};
+constexpr double kLine = 0.05, kMany = 20000;
+
+/// Radii of a pack by their scale, and its solid fraction.
+struct Trial {
+    double scale = 0, fraction = 0;
+};
 
 /// Share of a domain that spheres fill.
 template <int Dim>
@@ -74,10 +85,6 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
         return ballShare(result.pack.spheres, domain.volume(), options.ranks, shell);
     };
     const double room = kGuess<Dim> * roomBeside(existing, domain, shell);
-    // Solid fraction f = a - b s at scale s, since a layer as thick as the radii is packed worse
-    // along the wall. Two trials with 1/20 and 1/5 of the spheres give a and b.
-    double coarse = scaleFor(room, std::max(count / 20, 50.0));
-    double fine = scaleFor(room, std::max(count / 5, 100.0));
     // A domain may be too thin for the spheres of a trial, or for those that would fill it.
     const auto tryOut = [&](double& scale) {
         const double least = kSmallest * scaleFor(room, count);
@@ -90,16 +97,27 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
             }
         }
     };
-    if (isCancelled()) return fine;
-    const double f1 = tryOut(coarse);
-    fine = std::min(fine, coarse);
-    if (isCancelled()) return fine;
-    const double f2 = tryOut(fine);
-    const double slope = coarse > fine ? (f2 - f1) / (coarse - fine) : 0.0;
-    double scale = scaleFor(std::clamp(f2, 0.01, 0.9), count);
+    // Solid fraction f = a - b s at scale s, since a layer as thick as the radii is packed worse
+    // along the wall. The last two trials give a and b.
+    Trial coarse, fine;
+    for (const double part : kParts) {
+        if (part == kParts[0] && count < kMany) continue;
+        Trial next;
+        next.scale = scaleFor(room, std::max(count / part, part == kParts[2] ? 100.0 : 50.0));
+        if (fine.scale > 0) next.scale = std::min(next.scale, fine.scale);
+        if (isCancelled()) return next.scale;
+        next.fraction = tryOut(next.scale);
+        coarse = std::exchange(fine, next);
+        const bool isLine = coarse.scale > 0 && std::abs(fine.fraction - coarse.fraction) < kLine;
+        if (isLine && count >= kMany) break;
+    }
+    const double slope = coarse.scale > fine.scale
+                             ? (fine.fraction - coarse.fraction) / (coarse.scale - fine.scale)
+                             : 0.0;
+    double scale = fine.scale;
     for (int i = 0; i < 20; ++i) {
-        const double fraction = std::clamp(f2 + slope * (fine - scale), 0.01, 0.9);
-        scale = scaleFor(fraction, count);
+        const double fraction = fine.fraction + slope * (fine.scale - scale);
+        scale = scaleFor(std::clamp(fraction, 0.01, 0.9), count);
     }
     return scale;
 }
