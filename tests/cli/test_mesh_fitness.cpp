@@ -86,6 +86,17 @@ TEST_CASE("a mesh with holes is fit with a repair, and what that does is reporte
     CHECK(asked.packed("--repair") == 0);
 }
 
+TEST_CASE("a mesh that a run takes with a warning is fit as it is, and its flaw is named") {
+    const Asked asked(withoutTriangles(ballMesh(10, 5), 1));
+    const auto json = asked.json("--check");
+    CHECK(json["fit"] == "yes");
+    CHECK_THAT(json["reasons"].dump(), Contains("3 boundary edges") && Contains("--repair"));
+    CHECK(asked.mesh("--check").code == 0);
+    const Output pack = asked.pack("");
+    CHECK(pack.code == 0);
+    CHECK_THAT(pack.text, Contains("warning") && Contains("3 boundary edges"));
+}
+
 TEST_CASE("closed components that overlap are fit with a repair only") {
     const Asked asked(merged(ballMesh(10, 3), ballMesh(8, 3, {{9, 0, 0}})));
     REQUIRE(asked.packed() == 3);

@@ -20,9 +20,9 @@ constexpr double kBallRadius = 6;
 
 /// Grey values that fall with the distance from the origin: 100 at the wall of a ball, and 0 beyond
 /// twice its radius.
-std::string greyBall(const TemporaryFolder& folder) {
+std::string greyBall(const TemporaryFolder& folder, double halfWidth = 8) {
     const auto voxels =
-        Voxels<std::int16_t>::of(gridAround(8, {{0.5, 0.5, 0.5}}), [](const Vec<3>& p) {
+        Voxels<std::int16_t>::of(gridAround(halfWidth, {{0.5, 0.5, 0.5}}), [](const Vec<3>& p) {
             return std::lround(std::max(0.0, 200 - 100 * length(p) / kBallRadius));
         });
     writeMeta(folder.file("ball.mha"), voxels, "MET_SHORT");
@@ -66,6 +66,23 @@ TEST_CASE("the surface of an image above a threshold is converted without packin
     recipe.packUnit = Unit::centimeter;
     runConvert(recipe);
     CHECK(volumeOf(folder.file("c.stl")) == Approx(1000 * ball).epsilon(0.01));
+    CHECK_FALSE(mentions(result.warnings, "border of the image"));
+}
+
+TEST_CASE("a solid that the border of its image cuts is warned of with a threshold, too") {
+    const TemporaryFolder folder;
+    auto recipe = converting(greyBall(folder, 4.5), {folder.file("b.stl")});
+    recipe.domain.threshold = 100;
+    const ImageGrid grid = gridAround(4.5, {{0.5, 0.5, 0.5}});
+    const double face = std::fabs(grid.origin[0]);
+    int cut = 0;
+    forEachVoxel(grid, [&](std::size_t, const Vec<3>& p) {
+        const double most = std::max({std::fabs(p[0]), std::fabs(p[1]), std::fabs(p[2])});
+        cut += most > face - 0.1 && std::lround(200 - 100 * length(p) / kBallRadius) >= 100;
+    });
+    REQUIRE(cut > 100);
+    CHECK(mentions(runConvert(recipe).warnings,
+                   std::to_string(cut) + " voxels on the border of the image"));
 }
 
 TEST_CASE("a threshold by Otsu's method is reported, and as a number gives the same") {

@@ -234,6 +234,25 @@ TEST_CASE("an image is measured in its own voxels") {
     CHECK_THAT(summary(flat), Contains("of the surface"));
 }
 
+TEST_CASE("walls thinner than the voxels of an image are measured in these") {
+    const TemporaryFolder folder;
+    // Above the threshold a layer of two voxels, and one whose surface encloses next to nothing.
+    const auto image =
+        Voxels<std::int16_t>::of(smallGrid({30, 30, 40}, {{1, 1, 1}}), [](const Vec<3>& p) {
+            return p[2] == 10 ? 105 : p[2] == 25 || p[2] == 26 ? 500 : -1000;
+        });
+    writeNrrd(folder.file("walls.nrrd"), image, "int16");
+    auto recipe = onPack<MeasureRecipe>(folder.file("walls.nrrd"));
+    recipe.domain.threshold = 100;
+    const auto m = runMeasure(recipe).morphometry.value();
+    CHECK(m.ofVoxels);
+    CHECK(m.solidVolume == 3 * 30 * 30);
+    CHECK(m.eulerNumber == 2);
+    // In coarser voxels the thin one would be lost.
+    recipe.domain.voxelSize = 2;
+    CHECK_THROWS_WITH(runMeasure(recipe), Contains("too coarse"));
+}
+
 TEST_CASE("distances of voxels that change nothing are named by every command") {
     const TemporaryFolder folder;
     const std::string file = folder.file("i.nrrd"), mesh = folder.file("m.obj");

@@ -82,12 +82,19 @@ MeshFitness fitnessOf(const TriangleMesh& mesh, const MeshHealth& health,
     try {
         checkSize(mesh.bounds(), recipe, callbacks);
         std::string refusal;
-        if (isSound(health) && !health.enclosesNothing()) {
+        // What lies in two components is lost without a repair, whatever the field says.
+        if (!health.enclosesNothing() && health.intersections == 0) {
             refusal = refusalOf(mesh, health, recipe, callbacks);
             if (refusal.empty()) {
                 fitness.verdict = MeshFitness::Verdict::yes;
+                if (!isSound(health))
+                    fitness.reasons.push_back(fmt::format(
+                        "{}: {}; its field is sound, and a run takes it with a warning; set "
+                        "`repair` to mend it",
+                        recipe.source, flawsOf(health)));
                 return fitness;
             }
+            if (!isSound(health)) refusal.clear();
         }
         RepairedMesh repaired = repairMesh(mesh, repairOptions(recipe), callbacks);
         fitness = fitnessOf(repaired.mesh, repaired.report, recipe, callbacks);

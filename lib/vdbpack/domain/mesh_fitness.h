@@ -23,12 +23,12 @@ struct MeshFitness {
         no
     };
     Verdict verdict = Verdict::no;
-    std::vector<std::string> reasons;    ///< why it is not fit as it is, or at all
+    std::vector<std::string> reasons;    ///< why it is not fit as it is, or flaws that do no harm
     std::optional<RepairReport> repair;  ///< what a repair does, if it was tried
 };
 
-/// Decides by what a run does: the field of a default pack is made of a mesh without defects; of
-/// others, and where that is refused, the repair is made, and the field of what it returns.
+/// Decides by what a run does: the field of a default pack is made of the mesh; where that is
+/// refused, the repair is made, and the field of what it returns.
 /// @param mesh    of `recipe`, not repaired; `health` is its own.
 MeshFitness fitnessOf(const TriangleMesh& mesh, const MeshHealth& health,
                       const DomainRecipe& recipe, const Callbacks& callbacks);
