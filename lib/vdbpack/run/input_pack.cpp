@@ -199,16 +199,16 @@ void requireOneBody(const Pack<Dim>& pack, const Domain<Dim>& domain, const std:
 template void requireOneBody(const Pack<2>&, const Domain<2>&, const std::string&, const char*);
 template void requireOneBody(const Pack<3>&, const Domain<3>&, const std::string&, const char*);
 
-void requireDomain(const InputPack& recipe) {
+void requireDomain(const InputPack& recipe, bool ofFile) {
     const DomainRecipe& d = recipe.domain;
     if (!d.source.empty()) return;
-    const char* set = d.unit != Unit::millimeter            ? "`unit`"
-                      : d.scale != 1                        ? "`scale`"
+    const char* set = !ofFile && d.unit != Unit::millimeter ? "`unit`"
+                      : !ofFile && d.scale != 1             ? "`scale`"
                       : d.slice                             ? "`slice`"
                       : !d.clips.empty()                    ? "`clips`"
                       : d.periodic != std::array<bool, 3>{} ? "`periodic`"
                       : d.pose.any()                        ? "`translate` (or another move)"
-                      : d.repair                            ? "`repair`"
+                      : !ofFile && d.repair                 ? "`repair`"
                                                             : nullptr;
     if (set)
         throw ParameterError(fmt::format(

@@ -29,7 +29,8 @@ std::optional<Pack<3>> readInputPackUnlessSolid(const InputPack& recipe,
                                                 const Callbacks& callbacks);
 
 /// Refuses settings of a domain that is not there. @throws ParameterError
-void requireDomain(const InputPack& recipe);
+/// @param ofFile  whether its unit, scale and repair are those of the file itself, a solid.
+void requireDomain(const InputPack& recipe, bool ofFile = false);
 
 /// Refuses a pack of parts of which one protrudes from the domain: its walls are others.
 /// @param setting  that the run that packs the parts takes instead. @throws InputError

@@ -106,13 +106,33 @@ void takeWhole(const DomainRecipe& solid, Image& image, bool ownVoxels, SolidGri
     image = withRim(image, kRim);
 }
 
+/// The file of the solid. Without a domain, unit, scale and repair are its own.
+DomainRecipe fileOf(const MeasureRecipe& recipe) {
+    const DomainRecipe& domain = recipe.domain;
+    DomainRecipe solid;
+    solid.source = recipe.pack;
+    solid.mesh = recipe.solidMesh;
+    solid.image = recipe.solidImage;
+    solid.unit = recipe.packUnit;
+    if (!domain.source.empty()) return solid;
+    if (domain.unit != Unit::millimeter) {
+        if (recipe.packUnit != Unit::millimeter)
+            throw ParameterError("`unit` and `packUnit`: both are the unit of " + recipe.pack +
+                                 "; give one of them");
+        solid.unit = domain.unit;
+    }
+    solid.scale = domain.scale;
+    solid.repair = domain.repair;
+    solid.repairVoxel = domain.repairVoxel;
+    solid.repairComponents = domain.repairComponents;
+    solid.cavities = domain.cavities;
+    return solid;
+}
+
 /// The solid of an image, read. Without a domain, all of the image is the total volume. Voxels that
 /// are not requested get the least step of the image.
 DomainRecipe imageSolid(const MeasureRecipe& recipe, SolidGrid& found, const Callbacks& callbacks) {
-    DomainRecipe solid;
-    solid.source = recipe.pack;
-    solid.unit = recipe.packUnit;
-    solid.image = recipe.solidImage;
+    DomainRecipe solid = fileOf(recipe);
     if (recipe.domain.source.empty() || !isImage(recipe.domain)) {
         solid.label = recipe.domain.label;
         solid.threshold = recipe.domain.threshold;
@@ -128,6 +148,7 @@ DomainRecipe imageSolid(const MeasureRecipe& recipe, SolidGrid& found, const Cal
     const Vec<3> spacing = image.grid.spacing();
     if (ownVoxels) found.voxel = *std::min_element(spacing.c.begin(), spacing.c.end());
     solid.unit = Unit::millimeter;
+    solid.scale = 1;
     solid.space = ImageSpace::lps;
     solid.image = std::make_shared<const Image>(std::move(image));
     return solid;
@@ -157,14 +178,11 @@ SolidGrid readSolid(const MeasureRecipe& recipe, const Callbacks& callbacks) {
     SolidGrid found{recipe.solid, recipe.domain.voxelSize};
     warnOfNoImage(recipe, callbacks);
     if (found.grid) return found;
+    DomainRecipe solid = fileOf(recipe);
     if (!isMeshed(recipe)) {
-        found.grid = levelSetGrid(recipe.pack, recipe.domain.gridName, 1, recipe.packUnit);
+        found.grid = levelSetGrid(recipe.pack, recipe.domain.gridName, solid.scale, solid.unit);
         return found;
     }
-    DomainRecipe solid;
-    solid.source = recipe.pack;
-    solid.unit = recipe.packUnit;
-    solid.mesh = recipe.solidMesh;
     // An image may end within the solid, and a specimen may be smaller than a bone.
     Callbacks quiet = callbacks;
     if (isImageSolid(recipe)) {
@@ -262,7 +280,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
                              ": is a solid, which is measured as it is; leave out "
                              "`sphereMorphometry`, or measure a pack");
     Clock clock;
-    requireDomain(recipe);
+    requireDomain(recipe, true);
     SolidGrid solid = readSolid(recipe, callbacks);
     report.seconds.mesh = clock.lap();
     const auto total = totalVolume(recipe, solid, callbacks);
