@@ -100,6 +100,19 @@ TEST_CASE("a pack lies within the .stl that its run wrote, far from the origin a
     }
 }
 
+TEST_CASE("a pack of what voids leave lies within the .stl of that solid") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = recipeFor("box:190,400,870,198,408,878", "uniform:0.08,0.16");
+    recipe.request.fill = Fill::solid;
+    setVoids(recipe.request, "boolean", "uniform:0.7,1", 0.3);
+    recipe.outputs = {folder.file("p.vtp"), folder.file("s.stl")};
+    REQUIRE(runPack(recipe).passed);
+    const auto checked =
+        runVerify(onPack<VerifyRecipe>(folder.file("p.vtp"), folder.file("s.stl")));
+    CHECK(checked.report.count > 5000);
+    CHECK(checked.report.protrusion->max < 1e-6);
+}
+
 TEST_CASE("a unit that a level set of a run states is used when it is read") {
     const TemporaryFolder folder;
     PackRecipe recipe = recipeFor("box:20,24,28", "uniform:2,3");

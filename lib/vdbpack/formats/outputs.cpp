@@ -115,9 +115,11 @@ void writeContour(const OutputTarget& target, const RunOutputs<Dim>& have) {
     });
     const bool wall = have.wall && (target.grid == kSurface || (target.grid.empty() && !cut));
     // Spheres that touch the wall lie within the wall of the file.
-    writeStl(wall ? roundedOutward(*have.wall, have.options.unit)
-                  : levelSetMesh(chosenLevelSet(target.text, target.grid, levelSets), target.text),
-             target.file, have.options.unit, have.options.generator);
+    TriangleMesh contour;
+    if (!wall)
+        contour = levelSetMesh(chosenLevelSet(target.text, target.grid, levelSets), target.text);
+    writeStl(roundedOutward(wall ? *have.wall : contour, have.options.unit), target.file,
+             have.options.unit, have.options.generator);
 }
 
 /// Ids of a .ply have 32 bits; where one does not fit, the file has none.

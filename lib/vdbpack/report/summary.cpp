@@ -106,15 +106,15 @@ void addContacts(Summary& out, const Report& r, const DimensionWords& words) {
     out.line(
         "contacts",
         fmt::format("coordination number {:.3g}, {} (gap up to {:g} of the smaller radius); "
-                    "{:.3g} % of the {} have fewer than {} contacts; largest connected "
-                    "component {:.4g} %{}",
+                    "{:.3g} % of the {} have fewer than {} contacts; {} {:.4g} %",
                     c.mean,
                     r.domain.kind.empty() ? std::string("walls unknown")
                                           : fmt::format("{:.3g} without walls", c.meanOfSpheres),
                     r.contactTolerance, 100 * c.fewShare, words.spheres, c.few,
-                    100 * c.largestComponent,
-                    c.components > 1 ? fmt::format(" of {} components", grouped(c.components))
-                                     : std::string()));
+                    c.components > 1
+                        ? fmt::format("largest of {} connected components", grouped(c.components))
+                        : std::string("largest connected component"),
+                    100 * c.largestComponent));
     if (r.dim == 2)
         addFabric<2>(out, c);
     else

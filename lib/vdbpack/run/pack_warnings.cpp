@@ -101,13 +101,14 @@ void warnOfLooseSpheres(const Run<Dim>& run) {
 template <int Dim>
 void warnOfSizes(const Run<Dim>& run, double largest) {
     const Report& report = run.report;
-    if (report.interrupted || run.cuts() || report.existing > 0) return;
+    if (report.interrupted || (run.cuts() && !run.solid) || report.existing > 0) return;
     const char* spheres = Measure<Dim>::kSpheres;
     const auto room = [&] {
         return run.ranks() ? std::string()
                            : fmt::format(" (at most {:.4g} mm)", largestBall(run.filled()).radius);
     };
-    if (report.requestedGap == 0 && report.solidFractionTotal.value_or(1) < kLeastSolid)
+    if (!run.cuts() && report.requestedGap == 0 &&
+        report.solidFractionTotal.value_or(1) < kLeastSolid)
         run.callbacks.warn(fmt::format(
             "the {} fill only {} of the domain, since those of up to {:.3g} mm hardly fit. Give a "
             "smaller largest radius{}",

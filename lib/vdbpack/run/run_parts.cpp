@@ -16,11 +16,15 @@
 #include "vdbpack/verify/overlap.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace vdbpack {
 
@@ -161,7 +165,7 @@ public:
             found.part = recipe.name;
             all_.found.push_back(std::move(found));
         }
-        for (const std::string& text : r.chosen) all_.chosen.push_back(recipe.name + ": " + text);
+        for (const std::string& text : r.chosen) chosen_[text].push_back(recipe.name);
         // The first ones were there before.
         for (std::size_t w = begun_; w < r.warnings.size(); ++w)
             all_.warnings.push_back(recipe.name + ": " + r.warnings[w]);
@@ -174,6 +178,10 @@ public:
         const bool same = std::all_of(all_.parts.begin(), all_.parts.end(),
                                       [&](const PartReport& p) { return p.requested == first; });
         all_.requested = same ? first : "by part";
+        for (const auto& [text, names] : chosen_)
+            all_.chosen.push_back(names.size() == all_.parts.size()
+                                      ? text
+                                      : fmt::format("{}: {}", fmt::join(names, ", "), text));
     }
 
 private:
@@ -214,6 +222,7 @@ private:
     Report& all_;
     std::size_t begun_;  ///< warnings that each part begins with
     double covered_ = 0, deepCovered_ = 0, deepVolume_ = 0;
+    std::map<std::string, std::vector<std::string>> chosen_;  ///< parts by what was chosen for them
 };
 
 /// Grids of a part under the part's name.

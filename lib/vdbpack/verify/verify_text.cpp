@@ -86,6 +86,11 @@ nlohmann::ordered_json toJson(const VerifyResult& result, const Pack<Dim>& pack)
     return json;
 }
 
+/// Says how many a list of the worst leaves out.
+std::string moreThan(std::size_t listed, std::uint64_t all) {
+    return all > listed ? fmt::format("  and {} more\n", all - listed) : std::string();
+}
+
 template <int Dim>
 std::string describe(const OverlapCheck& check, const Pack<Dim>& pack) {
     std::string text = fmt::format("{:<12}{}: {}{} pairs, largest {:.3g} of the smaller radius\n",
@@ -94,7 +99,7 @@ std::string describe(const OverlapCheck& check, const Pack<Dim>& pack) {
     for (const auto& w : check.worst)
         text += fmt::format("  {:.3g}: {}\n    and {}\n", w.overlap, labelOf(pack, w.i),
                             labelOf(pack, w.j));
-    return text;
+    return text + moreThan(check.worst.size(), check.pairs);
 }
 
 template <int Dim>
@@ -113,7 +118,7 @@ std::string describe(const ProtrusionCheck& check, const Pack<Dim>& pack) {
     for (const auto& w : check.worst)
         text += fmt::format("  {:.3g}: {}{}\n", w.protrusion, labelOf(pack, w.i),
                             w.protrusion > 1 ? ", center outside" : "");
-    return text;
+    return text + moreThan(check.worst.size(), check.spheres);
 }
 
 template <int Dim>
