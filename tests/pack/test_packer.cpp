@@ -1,6 +1,7 @@
 #include "support/ball_domain.h"
 #include "support/cube.h"
 #include "support/generators.h"
+#include "support/paths.h"
 #include "support/random_point.h"
 #include "support/sizes.h"
 #include "support/test.h"
@@ -10,6 +11,7 @@
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/measure/density.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/pack/packer.h"
 
 namespace {
@@ -321,6 +323,22 @@ TEST_CASE("a mesh domain made for the sizes of a pack, or for larger ones, packs
     // A field of smaller radii ends so near to the wall that no front could begin.
     CHECK_THAT(messageOf<InputError>([&] { packIn(*meshDomain(ball, sizes.scaled(0.06))); }),
                Contains("0.198 mm") && Contains("1 mm") && Contains("fieldFor"));
+}
+
+TEST_CASE("no front crosses a wall that bends away", "[pack]") {
+    // A sphere that followed such a wall was led to its other side, and a front grew there.
+    FieldOptions options;
+    options.voxelSize = 0.42487140879770591;
+    options.depth = 2.5;
+    const auto domain = meshDomain(readMesh(kMeshes + "/mandible.ply"), options);
+    const double r = 0.88428427800805975;
+    const auto spheres =
+        packSpheres(*domain, PackOptions(SizeDistribution::uniform(r, 2 * r))).pack.spheres;
+    CHECK(solidFraction(spheres, *domain) == Approx(0.588).margin(0.005));
+    const auto sampler = domain->sampler();
+    CHECK(std::all_of(spheres.begin(), spheres.end(), [&](const Sphere<3>& s) {
+        return sampler->contains(s.center) && !sampler->isWallCloser(s.center, s.radius * 0.9999);
+    }));
 }
 
 TEST_CASE("a count that no scale of the radii gives is warned of", "[pack]") {

@@ -102,7 +102,7 @@ TEST_CASE("a pack lies within the .stl that its run wrote, far from the origin a
 
 TEST_CASE("a pack of what voids leave lies within the .stl of that solid") {
     const TemporaryFolder folder;
-    PackRecipe recipe = recipeFor("box:190,400,870,198,408,878", "uniform:0.08,0.16");
+    PackJob recipe = recipeFor("box:190,400,870,198,408,878", "uniform:0.08,0.16");
     recipe.request.fill = Fill::solid;
     setVoids(recipe.request, "boolean", "uniform:0.7,1", 0.3);
     recipe.outputs = {folder.file("p.vtp"), folder.file("s.stl")};

@@ -83,8 +83,8 @@ PackResult<Dim> packSpheres(const Domain<Dim>& domain, const PackOptions& option
 /// The factor on `options.sizes` for which about `count` spheres fill the domain.
 ///
 /// Found from trial packs with larger radii, since the share of the domain that packs worse along
-/// the wall grows with the radius: costs 1/16 of the pack itself, about a quarter where the domain
-/// is thin for its spheres or the spheres are few.
+/// the wall grows with the radius: costs about a ninth of the pack itself, a quarter where the
+/// domain is thin for its spheres or the spheres are few.
 /// @param existing  as in `packSpheres`.
 /// @throws ParameterError if `count` < 1, or if by far not as many can keep the gap.
 template <int Dim>

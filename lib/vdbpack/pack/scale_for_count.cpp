@@ -8,7 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <limits>
 
 namespace vdbpack {
 
@@ -17,10 +17,9 @@ namespace {
 /// Factor on the radii of a trial that do not fit, and the least part of those that are sought.
 constexpr double kSmaller = 0.7, kSmallest = 0.5;
 
-/// Trial packs have `count` / these spheres: the last one is only made where the first two are too
-/// far from a line, or `count` is too small for them to tell.
-constexpr double kParts[] = {80, 20, 5};
-constexpr double kLine = 0.05, kMany = 20000;
+/// From so many spheres on a trial pack of 1/80 of them tells how thick the domain is for them: it
+/// then fills this share of what such a trial of a large domain fills.
+constexpr double kMany = 20000, kThick = 0.85;
 
 /// Radii of a pack by their scale, and its solid fraction.
 struct Trial {
@@ -97,20 +96,22 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
             }
         }
     };
+    const auto trialOf = [&](double n, double largest) {
+        Trial made;
+        made.scale = std::min(scaleFor(room, n), largest);
+        if (!isCancelled()) made.fraction = tryOut(made.scale);
+        return made;
+    };
     // Solid fraction f = a - b s at scale s, since a layer as thick as the radii is packed worse
-    // along the wall. The last two trials give a and b.
-    Trial coarse, fine;
-    for (const double part : kParts) {
-        if (part == kParts[0] && count < kMany) continue;
-        Trial next;
-        next.scale = scaleFor(room, std::max(count / part, part == kParts[2] ? 100.0 : 50.0));
-        if (fine.scale > 0) next.scale = std::min(next.scale, fine.scale);
-        if (isCancelled()) return next.scale;
-        next.fraction = tryOut(next.scale);
-        coarse = std::exchange(fine, next);
-        const bool isLine = coarse.scale > 0 && std::abs(fine.fraction - coarse.fraction) < kLine;
-        if (isLine && count >= kMany) break;
-    }
+    // along the wall. Two trials give a and b: with 1/80 and 1/10 of the spheres where the domain
+    // is thick for these, with 1/20 and 1/5 where it is not.
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    Trial coarse;
+    if (count >= kMany) coarse = trialOf(count / 80, kAny);
+    const bool isThick = coarse.fraction > kThick * room;
+    if (!isThick) coarse = trialOf(std::max(count / 20, 50.0), kAny);
+    const Trial fine = trialOf(isThick ? count / 10 : std::max(count / 5, 100.0), coarse.scale);
+    if (isCancelled()) return fine.scale;
     const double slope = coarse.scale > fine.scale
                              ? (fine.fraction - coarse.fraction) / (coarse.scale - fine.scale)
                              : 0.0;

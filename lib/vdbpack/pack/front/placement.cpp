@@ -91,6 +91,11 @@ typename Placement<Dim>::Outcome Placement<Dim>::placeAtSite(std::uint32_t site,
     double distance = 0;
     hasWall_ = block.findWall(sphere(pivot).center, center, radius, reach, wall_, distance);
     if (!hasWall_ || distance >= radius) {
+        // What touches the pivot is inside; but along a wall that bends away, the center may have
+        // been led off the pivot, to the other side of the wall.
+        const Vec<Dim> global = center + block.origin;
+        if (block.sampler->signedDistance(global) > 0 && !block.sampler->contains(global))
+            return Outcome::blocked;
         // Along a curved wall the center has moved.
         if (block.local && !LocalLengths<Dim>::areAlike(size, block.sizeAt(center)))
             return Outcome::blocked;
