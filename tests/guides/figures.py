@@ -5,6 +5,7 @@ FILES = {
     "assets/guides/from-ct-to-dem.md": {
         "ct.nii.gz": "volumes/spine_tptbox_ct.nii.gz",
         "labels.nii.gz": "volumes/spine_tptbox_subreg.nii.gz",
+        "vert.nii.gz": "volumes/spine_tptbox_vert.nii.gz",
     },
 }
 

@@ -2,6 +2,7 @@
 #include "support/image_file.h"
 #include "support/jobs.h"
 #include "support/test.h"
+#include "support/text_file.h"
 
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/field/level_set.h"
@@ -116,6 +117,25 @@ TEST_CASE("a threshold by Otsu's method is reported, and as a number gives the s
     setVoids(job.request, "boolean", "constant:1.5", 0.7);
     CHECK_THAT(runVoids(job).report.recipe,
                Contains("\nthreshold = " + result.found[0].value + "  # otsu\nseed"));
+}
+
+TEST_CASE("an image that names no sides of a patient is given none") {
+    const TemporaryFolder folder;
+    writeNrrd(folder.file("i.nrrd"),
+              Voxels<std::uint8_t>::of(gridAround(5, {{1, 1, 1}}),
+                                       [](const Vec<3>& p) { return length(p) < 4; }),
+              "uint8");
+    ImageRecipe recipe;
+    recipe.domain.source = folder.file("i.nrrd");
+    CHECK(toJson(runImage(recipe))["orientation"] == "LPS");
+    std::string bytes = contentOf(recipe.domain.source);
+    const std::string space = "space: left-posterior-superior";
+    bytes.replace(bytes.find(space), space.size(), "space dimension: 3");
+    writeBytes(recipe.domain.source, bytes);
+    const ImageResult image = runImage(recipe);
+    CHECK(mentions(image.warnings, "which side is left"));
+    CHECK(toJson(image)["orientation"].is_null());
+    CHECK_THAT(summary(image), !Contains("LPS"));
 }
 
 TEST_CASE("several labels become one surface file, or one for each") {

@@ -106,13 +106,14 @@ nlohmann::json toJson(const ImageResult& r) {
                         {"layers", r.layers},
                         {"spacing", r.grid.spacing().c},
                         {"space", nameOf(r.space)},
-                        {"orientation", r.grid.orientation()},
+                        {"orientation", nullptr},
                         {"origin", r.grid.origin.c},
                         {"range", {r.lowest, r.highest}},
                         {"labels", nullptr},
                         {"histogram", nullptr},
                         {"thresholds", nlohmann::json::array()},
                         {"warnings", r.warnings}};
+    if (r.isSided) json["orientation"] = r.grid.orientation();
     for (const Vec<3>& step : r.grid.step) json["directions"].push_back(normalized(step).c);
     const double voxel = std::fabs(r.grid.signedVoxelVolume());
     if (!r.histogram.counts.empty())
@@ -159,15 +160,18 @@ std::string summary(const ImageResult& r) {
     text +=
         row("size", fmt::format("{} x {} x {} voxels of {:.6g} x {:.6g} x {:.6g} mm",
                                 r.grid.size[0], r.grid.size[1], r.grid.size[2], s[0], s[1], s[2]));
-    text += row("axes", fmt::format("{}: the directions of the patient in which indices grow",
-                                    r.grid.orientation()));
+    text += row("axes", r.isSided
+                            ? fmt::format("{}: the directions of the patient in which indices grow",
+                                          r.grid.orientation())
+                            : std::string("of no known sides of a patient; indices grow along"));
     for (const Vec<3>& step : r.grid.step) {
         const Vec<3> d = normalized(step);
         text += row(
             "", fmt::format("{:>10.6f} {:>10.6f} {:>10.6f}", d[0] + 0.0, d[1] + 0.0, d[2] + 0.0));
     }
-    text += row("first voxel", fmt::format("({:.6g}, {:.6g}, {:.6g}) mm in {}", o[0], o[1], o[2],
-                                           nameOf(r.space)));
+    text += row("first voxel",
+                fmt::format("({:.6g}, {:.6g}, {:.6g}) mm{}", o[0], o[1], o[2],
+                            r.isSided ? std::string(" in ") + nameOf(r.space) : std::string()));
     text += row("values", fmt::format("{:g} to {:g}", r.lowest, r.highest));
     if (!r.labels) text += row("labels", "none: a grey image, of which `threshold` V takes a part");
     text += histogramRows(r.histogram) + thresholdRows(r);

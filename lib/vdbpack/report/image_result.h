@@ -19,6 +19,7 @@ namespace vdbpack {
 struct ImageResult {
     std::string source, format, type;
     ImageSpace space = ImageSpace::lps;
+    bool isSided = true;  ///< whether it says which sides of a patient its axes point to
     ImageGrid grid;
     std::size_t layers = 1;
     double lowest = 0, highest = 0;                 ///< values, of those that are numbers
@@ -36,9 +37,9 @@ struct ImageResult {
     std::vector<std::string> warnings;
 };
 
-/// Lengths in mm: `format`, `type`, `size`, `spacing`, `orientation`, `space`, `origin`,
-/// `directions` (one axis a row), `range`, `labels` (null for grey images), `contacts`, `histogram`
-/// (null for label maps), `thresholds`.
+/// Lengths in mm: `format`, `type`, `size`, `spacing`, `orientation` (null: unknown), `space`,
+/// `origin`, `directions` (one axis a row), `range`, `labels` (null for grey images), `contacts`,
+/// `histogram` (null for label maps), `thresholds`.
 nlohmann::json toJson(const ImageResult& result);
 std::string summary(const ImageResult& result);
 

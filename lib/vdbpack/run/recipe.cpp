@@ -243,7 +243,6 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
         r.targetCount = kDefaultCount;
         r.chosen.push_back(fmt::format("about {:.0f} spheres", kDefaultCount));
     }
-    r.chosen.push_back("radii uniform with ratio 1:2");
     return r;
 }
 

@@ -54,6 +54,7 @@ ImageResult runImage(const ImageRecipe& recipe, const Callbacks& caller) {
         result.format = image.format;
         result.type = nameOf(image.type);
         result.grid = image.grid;
+        result.isSided = image.isSided;
         result.layers = image.layers;
         std::tie(result.lowest, result.highest) = valueRange(image);
         callbacks.stopIfCancelled();
