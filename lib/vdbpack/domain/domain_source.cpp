@@ -294,15 +294,11 @@ std::shared_ptr<const Domain<Dim>> DomainSource::envelopeOf(
     return {domain, &domain->envelope()};
 }
 
-std::shared_ptr<const MeshDomain> DomainSource::field(double voxelSize,
+std::shared_ptr<const MeshDomain> DomainSource::field(double voxelSize, bool sound,
                                                       const Callbacks& callbacks) const {
     FieldOptions options = fieldOptions(voxelSize, voxelSize, 0);
     options.fieldFirst = true;
-    if (recipe_.image) {
-        // In the image's own voxels none of its solid voxels is lost, however thin its walls are.
-        const Vec<3> steps = recipe_.image->grid.spacing();
-        options.sound |= voxelSize <= 1.001 * *std::min_element(steps.c.begin(), steps.c.end());
-    }
+    options.sound |= sound;
     return meshDomain(mesh_, options, callbacks);
 }
 

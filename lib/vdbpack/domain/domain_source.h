@@ -108,8 +108,9 @@ public:
     Built build(double minRadius, double maxRadius, const Callbacks& callbacks = {},
                 double voxelSize = 0) const;
     /// The level set of a file's mesh, without clips; quicker than `build` where its triangles are
-    /// not asked.
-    std::shared_ptr<const MeshDomain> field(double voxelSize, const Callbacks& callbacks) const;
+    /// not asked. @param sound  as `FieldOptions::sound`.
+    std::shared_ptr<const MeshDomain> field(double voxelSize, bool sound,
+                                            const Callbacks& callbacks) const;
 
     /// The field that `build` would make.
     FieldPlan plan(double minRadius, double maxRadius, double voxelSize = 0) const;

@@ -87,7 +87,7 @@ MeshFitness fitnessOf(const TriangleMesh& mesh, const MeshHealth& health,
             refusal = refusalOf(mesh, health, recipe, callbacks);
             if (refusal.empty()) {
                 fitness.verdict = MeshFitness::Verdict::yes;
-                if (!isSound(health))
+                if (!flawsOf(health).empty())
                     fitness.reasons.push_back(fmt::format(
                         "{}: {}; its field is sound, and a run takes it with a warning; set "
                         "`repair` to mend it",

@@ -191,8 +191,9 @@ SolidGrid readSolid(const MeasureRecipe& recipe, const Callbacks& callbacks) {
     }
     const double images = recipe.domain.source.empty() ? 1 : kWalledVoxel;
     TriangleMesh mesh = *DomainSource(solid, quiet).mesh();
-    const auto field =
-        fieldOfMesh(std::move(mesh), std::move(solid), images, recipe, found.voxel, quiet);
+    // Where voxels count, none of them is lost, however thin the walls of their surface are.
+    const auto field = fieldOfMesh(std::move(mesh), std::move(solid), images, recipe, found.voxel,
+                                   quiet, !found.solid.empty());
     found.grid = field->grid();
     if (!found.isWholeImage) {
         found.volume = field->volume();
@@ -254,7 +255,7 @@ void takeVolumes(const MeasureRecipe& recipe, const SolidGrid& solid, const Doma
 
 std::shared_ptr<const MeshDomain> fieldOfMesh(TriangleMesh mesh, DomainRecipe solid, double images,
                                               const RunSettings& settings, double& voxel,
-                                              const Callbacks& callbacks) {
+                                              const Callbacks& callbacks, bool sound) {
     constexpr double kVoxelsAcross = 256;
     const Vec<3> size = mesh.bounds().size();
     if (!(voxel > 0)) voxel = *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross;
@@ -263,7 +264,7 @@ std::shared_ptr<const MeshDomain> fieldOfMesh(TriangleMesh mesh, DomainRecipe so
     Extent extent = extentOf(source, voxel, voxel);
     extent.imageVoxels = images * size[0] * size[1] * size[2] / (voxel * voxel * voxel);
     requireResources(extent, settings);
-    return source.field(voxel, callbacks);
+    return source.field(voxel, sound, callbacks);
 }
 
 bool isImageSolid(const MeasureRecipe& recipe) {

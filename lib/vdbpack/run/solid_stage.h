@@ -11,10 +11,10 @@ namespace vdbpack {
 
 /// The field of a mesh, of a file or made of an image. @param solid  how it was read
 /// @param images  of as many voxels that are made of it. @param voxel  mm; if 0, set to 1/256 of
-/// the longest side.
+/// the longest side. @param sound  as `FieldOptions::sound`.
 std::shared_ptr<const MeshDomain> fieldOfMesh(TriangleMesh mesh, DomainRecipe solid, double images,
                                               const RunSettings& settings, double& voxel,
-                                              const Callbacks& callbacks);
+                                              const Callbacks& callbacks, bool sound = false);
 
 /// Whether `recipe.pack` is an image, and so a solid.
 bool isImageSolid(const MeasureRecipe& recipe);
