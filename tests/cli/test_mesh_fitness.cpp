@@ -104,7 +104,7 @@ TEST_CASE("triangles given twice that a run takes with a warning are named", "[m
     const Output pack = Asked(ball).pack("");
     CHECK(json["reasons"].dump().find("duplicate") !=
           (pack.code == 0 && pack.text.find("duplicate") == std::string::npos ? 0
-                                                                             : std::string::npos));
+                                                                              : std::string::npos));
 }
 
 TEST_CASE("closed components that overlap are fit with a repair only") {

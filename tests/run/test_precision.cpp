@@ -8,6 +8,7 @@
 
 #include "vdbpack/domain/domain_source.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/mesh_check.h"
 
 namespace {
 
@@ -111,6 +112,15 @@ TEST_CASE("a pack of what voids leave lies within the .stl of that solid") {
         runVerify(onPack<VerifyRecipe>(folder.file("p.vtp"), folder.file("s.stl")));
     CHECK(checked.report.count > 5000);
     CHECK(checked.report.protrusion->max < 1e-6);
+}
+
+TEST_CASE("a pack in a thin box lies within the .stl of that box") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = recipeFor("box:0.6,6,6", "uniform:0.1,0.2");
+    recipe.outputs = {folder.file("p.vtp"), folder.file("s.stl")};
+    runPack(recipe);
+    CHECK(checkMesh(readMesh(folder.file("s.stl"))).enclosedVolume == Approx(0.6 * 36));
+    CHECK(runVerify(onPack<VerifyRecipe>(folder.file("p.vtp"), folder.file("s.stl"))).passed);
 }
 
 TEST_CASE("a unit that a level set of a run states is used when it is read") {

@@ -17,6 +17,7 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
@@ -107,19 +108,29 @@ void writePackAndSurface(const std::string& output, const RunOutputs<Dim>& have)
     writePack(*have.pack, output, options);
 }
 
+/// The surface of the run's solid or domain, of which it has level sets.
+template <int Dim>
+TriangleMesh contourOf(const OutputTarget& target, const RunOutputs<Dim>& have) {
+    if constexpr (Dim == 3) {
+        // What fills its bounding box is that box, whose edges a level set would cut.
+        const bool isAsked = target.grid.empty() || target.grid == kSurface;
+        if (isAsked && have.options.levelSets.empty() && have.domain &&
+            have.domain->volume() >= (1 - 1e-12) * have.domain->bounds().volume())
+            return boxMesh(have.domain->bounds());
+    }
+    return levelSetMesh(chosenLevelSet(target.text, target.grid, levelSetsOf(have)), target.text);
+}
+
 template <int Dim>
 void writeContour(const OutputTarget& target, const RunOutputs<Dim>& have) {
-    const auto levelSets = levelSetsOf(have);
+    const auto& levelSets = have.options.levelSets;
     const bool cut = std::any_of(levelSets.begin(), levelSets.end(), [](const auto& set) {
         return set && levelSetName(*set) == kSolid;
     });
     const bool wall = have.wall && (target.grid == kSurface || (target.grid.empty() && !cut));
     // Spheres that touch the wall lie within the wall of the file.
-    TriangleMesh contour;
-    if (!wall)
-        contour = levelSetMesh(chosenLevelSet(target.text, target.grid, levelSets), target.text);
-    writeStl(roundedOutward(wall ? *have.wall : contour, have.options.unit), target.file,
-             have.options.unit, have.options.generator);
+    writeStl(roundedOutward(wall ? *have.wall : contourOf(target, have), have.options.unit),
+             target.file, have.options.unit, have.options.generator);
 }
 
 /// Ids of a .ply have 32 bits; where one does not fit, the file has none.
