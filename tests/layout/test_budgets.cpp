@@ -21,30 +21,30 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95735},
+    {"lib", 95777},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
-    {"lib/vdbpack/mesh", 3969},
+    {"lib/vdbpack/mesh", 3984},
     {"lib/vdbpack/verify", 2453},
     {"lib/vdbpack/image", 5708},
     {"lib/vdbpack/field", 6076},
     {"lib/vdbpack/repair", 2860},
-    {"lib/vdbpack/domain", 7083},
+    {"lib/vdbpack/domain", 7085},
     {"lib/vdbpack/pack", 8039},
     {"lib/vdbpack/densify", 6008},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5667},
-    {"lib/vdbpack/voids", 8077},
+    {"lib/vdbpack/voids", 8088},
     {"lib/vdbpack/formats", 10321},
-    {"lib/vdbpack/report", 4061},
+    {"lib/vdbpack/report", 4063},
     {"lib/vdbpack/preview", 3597},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3618},
-    {"lib/vdbpack/run", 7732},
+    {"lib/vdbpack/run", 7744},
     {"tools", 3942},
-    {"tests", 35912},
+    {"tests", 35927},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -82,8 +82,12 @@ TEST_CASE("a solid that the border of its image cuts is warned of with a thresho
         cut += most > face - 0.1 && std::lround(200 - 100 * length(p) / kBallRadius) >= 100;
     });
     REQUIRE(cut > 100);
-    CHECK(mentions(runConvert(recipe).warnings,
-                   std::to_string(cut) + " voxels on the border of the image"));
+    const std::string said = std::to_string(cut) + " voxels on the border of the image";
+    CHECK(mentions(runConvert(recipe).warnings, said));
+    ImageRecipe image;
+    image.domain = recipe.domain;
+    image.domain.source = recipe.pack;
+    CHECK(mentions(runImage(image).warnings, said));
 }
 
 TEST_CASE("a threshold by Otsu's method is reported, and as a number gives the same") {

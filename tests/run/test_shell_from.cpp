@@ -105,6 +105,17 @@ TEST_CASE("voids reach the walls of cavities where the shell is measured from th
     }
 }
 
+TEST_CASE("voids that are packed behind a shell may be larger than the spheres' own field") {
+    const TemporaryFolder folder;
+    writeObj(ballMesh(10, 4), folder.file("ball.obj"));
+    PackJob recipe = recipeFor(folder.file("ball.obj"), "uniform:0.4,0.8");
+    setVoids(recipe.request, "overlay", {}, 0.95);
+    recipe.request.shell = 2;
+    const RunResult run = runPack(recipe);
+    CHECK(run.passed);
+    CHECK(run.report.voids->bvtv.value() == Approx(0.95).margin(0.02));
+}
+
 TEST_CASE("a solid is attached where it reaches the outer shell, not the wall of a cavity") {
     const TemporaryFolder folder;
     // Balls side by side on a sphere part the solid around the cavity from the rest.

@@ -49,6 +49,26 @@ void warnOfBorder(const std::vector<LabelPart>& parts, const ImageGrid& grid,
                     names.size() + more > 1 ? "each" : "it"));
 }
 
+void warnOfBorder(const Image& image, double threshold, const std::string& path,
+                  const Callbacks& callbacks) {
+    const auto& size = image.grid.size;
+    const auto last = [&](std::size_t d) { return std::max<std::size_t>(size[d], 2) - 1; };
+    std::size_t cut = 0, at = 0;
+    image.visit([&](const auto* numbers) {
+        for (std::size_t k = 0; k < size[2]; ++k)
+            for (std::size_t j = 0; j < size[1]; ++j, at += size[0]) {
+                const bool isFace = k % last(2) == 0 || j % last(1) == 0;
+                for (std::size_t i = 0; i < size[0]; i += isFace ? 1 : last(0))
+                    cut += image.value(numbers[(at + i) * image.layers]) >= threshold;
+            }
+    });
+    if (cut > 0)
+        callbacks.warn(
+            fmt::format("{}: {} voxels on the border of the image are not below the "
+                        "threshold, {:.6g}; a flat wall closes the surface there",
+                        path, cut, threshold));
+}
+
 std::vector<LabelCount> requiredLabels(const DomainRecipe& recipe, const Image& image,
                                        const Callbacks& callbacks) {
     const bool asked = !recipe.label.empty();
@@ -189,27 +209,6 @@ void applyMask(Image& image, const DomainRecipe& recipe, const Callbacks& callba
             std::copy_n(nothing.data(), each, image.bytes.get() + (n * image.layers + l) * each);
 }
 
-/// Warns of a solid that the border of its image cuts.
-void warnOfCut(const Image& image, double threshold, const std::string& path,
-               const Callbacks& callbacks) {
-    const auto& size = image.grid.size;
-    const auto last = [&](std::size_t d) { return std::max<std::size_t>(size[d], 2) - 1; };
-    std::size_t cut = 0, at = 0;
-    image.visit([&](const auto* numbers) {
-        for (std::size_t k = 0; k < size[2]; ++k)
-            for (std::size_t j = 0; j < size[1]; ++j, at += size[0]) {
-                const bool isFace = k % last(2) == 0 || j % last(1) == 0;
-                for (std::size_t i = 0; i < size[0]; i += isFace ? 1 : last(0))
-                    cut += image.value(numbers[(at + i) * image.layers]) >= threshold;
-            }
-    });
-    if (cut > 0)
-        callbacks.warn(
-            fmt::format("{}: {} voxels on the border of the image are not below the "
-                        "threshold, {:.6g}; a flat wall closes the surface there",
-                        path, cut, threshold));
-}
-
 }  // namespace
 
 Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
@@ -265,7 +264,7 @@ TriangleMesh imageMesh(DomainRecipe& recipe, const Callbacks& callbacks,
         recipe.threshold = recipe.threshold->of(image, recipe.source, callbacks);
         TriangleMesh mesh =
             thresholdSurface(image, *recipe.threshold->value, recipe.source, callbacks);
-        warnOfCut(image, *recipe.threshold->value, recipe.source, callbacks);
+        warnOfBorder(image, *recipe.threshold->value, recipe.source, callbacks);
         return mesh;
     }
     const auto labels = requiredLabels(recipe, image, callbacks);

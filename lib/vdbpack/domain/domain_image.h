@@ -35,6 +35,9 @@ LabelPart selectedPart(const DomainRecipe& recipe, const std::vector<LabelCount>
 /// Warns once of the parts that the border of their image cuts off.
 void warnOfBorder(const std::vector<LabelPart>& parts, const ImageGrid& grid,
                   const std::string& path, const Callbacks& callbacks);
+/// The same of what a threshold takes of an image.
+void warnOfBorder(const Image& image, double threshold, const std::string& path,
+                  const Callbacks& callbacks);
 
 /// The surface, mm, of what a recipe selects of an image: a label or labels joined, or the values
 /// from a threshold on.

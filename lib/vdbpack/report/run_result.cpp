@@ -193,10 +193,12 @@ std::string repairRows(const RepairReport& r) {
 std::string fitnessRows(const MeshResult& result) {
     const MeshFitness& fitness = result.fitness;
     using Verdict = MeshFitness::Verdict;
-    std::string text = row("fit to be packed", fitness.verdict == Verdict::yes  ? "yes"
-                                               : fitness.verdict == Verdict::no ? "no"
-                                               : result.repair                  ? "yes, as repaired"
-                                                               : "with `repair`; not as it is");
+    std::string text =
+        row("fit to be packed", fitness.verdict == Verdict::yes  ? "yes"
+                                : fitness.verdict == Verdict::no ? "no"
+                                : result.repair
+                                    ? "yes, as repaired"
+                                    : "with `repair`; as it is, a pack by default is refused");
     for (const auto& reason : fitness.reasons) text += row("", reason);
     if (result.repair || fitness.verdict != Verdict::withRepair || !fitness.repair) return text;
     text += "\nwith `repair`\n" + repairRows(*fitness.repair);

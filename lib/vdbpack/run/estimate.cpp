@@ -135,7 +135,9 @@ FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
     }
     radii.detail = requested.detail() * radii.scale;
     radii.reach = std::max(requested.largest() * radii.scale * 1.05 + recipe.packing.gap,
-                           depthForShell(recipe.voids, plannedVoxel(recipe.voids, e.dim)) / 3);
+                           depthForVoids(recipe.voids, plannedVoxel(recipe.voids, e.dim),
+                                         requested.largest() * radii.scale, e.dim) /
+                               3);
     return radii;
 }
 

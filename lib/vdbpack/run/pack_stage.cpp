@@ -222,11 +222,11 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
     }
     if (target > 0)
         run.report.chosen.push_back(fmt::format(
-            "radii {} mm{}, so that about {:.0f} {} {}", options.sizes.spec(),
+            "radii {} mm{}, for about {:.0f} {} {}", options.sizes.spec(),
             options.local.shellSizes ? ", in the shell " + options.local.shellSizes->spec() + " mm"
                                      : std::string(),
             target, Measure<Dim>::kSpheres,
-            recipe.voids.empty() ? "fill the domain" : "remain beside the voids"));
+            recipe.voids.empty() ? "in the domain" : "beside the voids"));
     result.pack.sliceHeight = run.built.sliceHeight;
     run.report.interrupted = result.interrupted;
     run.facts.positionStep = result.quantum;

@@ -51,7 +51,8 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     run.voids.largestRadius = radius.max;
     const double detail = fieldDetail(radius.min, radius.mean);
     const double voxel = plannedVoxel(recipe.voids, Dim);
-    const double reach = std::max(radius.max, depthForShell(recipe.voids, voxel) / 3);
+    const double reach =
+        std::max(radius.max, depthForVoids(recipe.voids, voxel, radius.max, Dim) / 3);
     Extent extent = extentOf(*run.source, detail, reach, voxel);
     extent.count = static_cast<double>(run.pack.spheres.size());
     addVoids(extent, recipe.voids, radius.max);

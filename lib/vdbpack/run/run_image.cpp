@@ -7,6 +7,8 @@
 #include "vdbpack/report/image_result.h"
 #include "vdbpack/run/run.h"
 
+#include <fmt/format.h>
+
 #include <tuple>
 
 namespace vdbpack {
@@ -23,7 +25,10 @@ void addThresholds(const DomainRecipe& domain, const Image& image, ImageResult& 
         result.taken.push_back({found, solidFrom(image, *found.value)});
     };
     result.isRequested = domain.threshold.has_value();
-    if (domain.threshold) take(*domain.threshold, callbacks);
+    if (domain.threshold) {
+        take(*domain.threshold, callbacks);
+        warnOfBorder(image, *result.taken.front().threshold.value, domain.source, callbacks);
+    }
     if (result.labels) return;
     result.histogram = histogramOf(image).coarser(kBins);
     for (const Threshold& threshold : {Threshold::otsu(), Threshold::otsu(kTissueHu)}) {
@@ -60,6 +65,10 @@ ImageResult runImage(const ImageRecipe& recipe, const Callbacks& caller) {
         callbacks.stopIfCancelled();
         result.labels = labelsOf(image);
         if (result.labels) {
+            std::vector<LabelPart> parts;
+            for (const LabelCount& label : *result.labels)
+                parts.push_back({fmt::format("{}", label.value), {label}});
+            if (!domain.threshold) warnOfBorder(parts, image.grid, domain.source, callbacks);
             result.relations = labelRelations(image, *result.labels);
             result.solids = labelSolids(image, *result.labels);
         }

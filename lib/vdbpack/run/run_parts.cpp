@@ -45,7 +45,7 @@ void forgetShare(Report& report) {
     auto& chosen = report.chosen;
     chosen.erase(std::remove_if(chosen.begin(), chosen.end(),
                                 [](const std::string& text) {
-                                    return text.find(", so that about ") != std::string::npos;
+                                    return text.find(", for about ") != std::string::npos;
                                 }),
                  chosen.end());
 }

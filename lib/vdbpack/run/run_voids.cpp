@@ -29,7 +29,7 @@ RunResult cutDomain(const VoidsRecipe& recipe, const std::shared_ptr<const Domai
     run.voids.recipe = recipe.voids;
     const double voxel = plannedVoxel(recipe.voids, Dim);
     const double detail = detailFor(recipe.voids, voxel);
-    const double reach = depthForShell(recipe.voids, voxel) / 3;
+    const double reach = depthForVoids(recipe.voids, voxel, 0, Dim) / 3;
     Extent extent = extentOf(*source, detail, reach, voxel);
     addVoids(extent, recipe.voids, 0);
     domainStage(run, extent, detail, reach, voxel);

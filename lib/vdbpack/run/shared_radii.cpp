@@ -95,8 +95,8 @@ void SharedRadii::scaleFor(double count) {
 }
 
 std::string SharedRadii::chosen() const {
-    return fmt::format("radii {} mm, so that about {:.0f} {} are in all parts", found_->spec(),
-                       target_, Measure<3>::kSpheres);
+    return fmt::format("radii {} mm, for about {:.0f} {} in all parts", found_->spec(), target_,
+                       Measure<3>::kSpheres);
 }
 
 }  // namespace vdbpack

@@ -50,9 +50,10 @@ double voidVoxelFor(const VoidRecipe& recipe, double least);
 /// The voxel size of the level sets of voids if it follows from the recipe alone, mm; otherwise 0.
 double plannedVoxel(const VoidRecipe& recipe, int dim);
 
-/// Depth of the distance field that the shell needs, mm.
-/// @param voxel  of the voids, mm; 0: unknown.
-double depthForShell(const VoidRecipe& recipe, double voxel);
+/// Depth of the distance field that the shell and voids packed behind it need, mm.
+/// @param voxel          of the voids, mm; 0: unknown.
+/// @param largestSphere  mm: default sizes of voids follow from it.
+double depthForVoids(const VoidRecipe& recipe, double voxel, double largestSphere, int dim);
 
 /// Refuses a shell that leaves no core, and voids larger than the domain (voids of a list only if
 /// `early`, since `makeVoids` checks them).

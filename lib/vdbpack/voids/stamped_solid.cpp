@@ -99,9 +99,19 @@ double plannedVoxel(const VoidRecipe& recipe, int dim) {
     return voidVoxelFor(recipe, shape->radius.in(dim).min() * std::min(1.0, aspect));
 }
 
-double depthForShell(const VoidRecipe& recipe, double voxel) {
+double depthForVoids(const VoidRecipe& recipe, double voxel, double largestSphere, int dim) {
     const double thickest = shellRange(recipe).second;
-    return thickest > 0 ? 1.1 * thickest + 10 * voxel : 0;
+    const double depth = thickest > 0 ? 1.1 * thickest + 10 * voxel : 0;
+    const auto* const overlay = recipe.as<OverlayVoids>();
+    if (!overlay) return depth;
+    const VoidShapeRecipe& shape = overlay->shape;
+    if (shape.radius.empty() && !(largestSphere > 0)) return depth;
+    const SizeDistribution radii =
+        shape.radius.empty() ? defaultVoidRadius(largestSphere) : shape.radius.in(dim);
+    const double aspect = shape.aspect.empty() ? kDefaultAspect : shape.aspect.in(dim).mean();
+    // They are packed as balls.
+    const double ball = radii.max() * shape.radiusFactor * std::max(1.0, aspect);
+    return std::max(depth, 1.1 * (thickest + ball));
 }
 
 template <int Dim>

@@ -63,16 +63,31 @@ TriangleMesh roundedOutward(TriangleMesh mesh, Unit unit) {
         const auto end = normals.begin() + static_cast<std::ptrdiff_t>(first[v + 1]);
         const Vec<3> middle = outwardOf(begin, end);
         const double largest = std::max({std::fabs(x[0]), std::fabs(x[1]), std::fabs(x[2])});
-        // Farther out until no triangle is crossed; at a saddle too sharp for that, rounded only.
-        for (double step = 0; step < 32; ++step) {
-            Vec<3> out = x + middle * (step * largest * std::numeric_limits<float>::epsilon() / 4);
+        const double step = largest * std::numeric_limits<float>::epsilon() / 4;
+        double best = -std::numeric_limits<double>::infinity();
+        /// Takes a place rounded if that lies farther out of the innermost triangle than the last.
+        const auto tryAt = [&](Vec<3> out) {
             for (double& c : out.c)
                 c = static_cast<double>(static_cast<float>(fromMillimeters(c, unit))) *
                     millimetersPer(unit);
-            const bool isOutside = std::all_of(
-                begin, end, [&](const Vec<3>& normal) { return dot(out - x, normal) >= 0; });
-            if (step == 0 || isOutside) mesh.vertices[v] = out;
-            if (isOutside) break;
+            double inmost = std::numeric_limits<double>::infinity();
+            for (auto normal = begin; normal != end; ++normal)
+                inmost = std::min(inmost, dot(out - x, *normal));
+            if (inmost > best) {
+                best = inmost;
+                mesh.vertices[v] = out;
+            }
+            return inmost >= 0;
+        };
+        // Farther out until no triangle is crossed; at a saddle too sharp for that, to the place
+        // around that crosses least.
+        for (int k = 0; k < 32; ++k)
+            if (tryAt(x + middle * (k * step))) return;
+        constexpr int kAround = 11;
+        for (int k = 0; k < kAround * kAround * kAround; ++k) {
+            const auto offset = [](int n) { return 4.0 * (n % kAround - kAround / 2); };
+            const Vec<3> around{{offset(k), offset(k / kAround), offset(k / (kAround * kAround))}};
+            if (tryAt(x + around * step)) return;
         }
     });
     return mesh;
