@@ -194,7 +194,7 @@ TEST_CASE("a page of parts compares each with what was requested, and says what 
     CHECK_THAT(text, Contains("Of all parts") && Contains("Parts have walls of their own"));
     CHECK_THAT(text, !Contains("No size distribution"));
     // The radii are those of all parts, not of the first.
-    REQUIRE(mentions(run.report.chosen, "are in all parts"));
+    REQUIRE(mentions(run.report.chosen, "in all parts"));
     CHECK_FALSE(mentions(run.report.chosen, "fill the domain"));
 }
 

@@ -10,6 +10,7 @@
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/pack_parts.h"
+#include "vdbpack/formats/run_surface.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/formats/with_images.h"
 #include "vdbpack/formats/write_blender.h"
@@ -17,7 +18,6 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
-#include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
@@ -45,33 +45,6 @@ void checkVoidsToList(const std::string& output, const VoidRecipe& recipe) {
         throw ParameterError(fmt::format(
             "{}: `voids` {} removes spheres and has no voids to list; leave the output out", output,
             nameOf(recipe)));
-}
-
-/// The level set that a target is made from. @throws ParameterError if it is not there
-const VdbGrid& chosenLevelSet(const std::string& output, const std::string& name,
-                              const std::vector<std::shared_ptr<const VdbGrid>>& levelSets) {
-    const auto named = [&](const std::string& wanted) -> const VdbGrid* {
-        for (const auto& set : levelSets)
-            if (set && levelSetName(*set) == wanted) return set.get();
-        return nullptr;
-    };
-    const VdbGrid* found = name.empty() ? named(kSolid) : named(name);
-    if (!found && name.empty()) found = named(kSurface);
-    if (!found && name.empty() && !levelSets.empty()) found = levelSets.front().get();
-    if (!found)
-        throw ParameterError(fmt::format("{}: this run has no level set{} to write; leave it out",
-                                         output, name.empty() ? "" : " '" + name + "'"));
-    return *found;
-}
-
-/// Those of the run, or that of its domain.
-template <int Dim>
-std::vector<std::shared_ptr<const VdbGrid>> levelSetsOf(const RunOutputs<Dim>& have) {
-    if constexpr (Dim == 3) {
-        if (have.options.levelSets.empty() && have.domain)
-            return {surfaceLevelSet(*have.domain, shapeVoxelSize(have.domain->bounds()))};
-    }
-    return have.options.levelSets;
 }
 
 /// Whether two names are those of one file, which need not exist: by another path, by symbolic
@@ -106,19 +79,6 @@ void writePackAndSurface(const std::string& output, const RunOutputs<Dim>& have)
         }
     }
     writePack(*have.pack, output, options);
-}
-
-/// The surface of the run's solid or domain, of which it has level sets.
-template <int Dim>
-TriangleMesh contourOf(const OutputTarget& target, const RunOutputs<Dim>& have) {
-    if constexpr (Dim == 3) {
-        // What fills its bounding box is that box, whose edges a level set would cut.
-        const bool isAsked = target.grid.empty() || target.grid == kSurface;
-        if (isAsked && have.options.levelSets.empty() && have.domain &&
-            have.domain->volume() >= (1 - 1e-12) * have.domain->bounds().volume())
-            return boxMesh(have.domain->bounds());
-    }
-    return levelSetMesh(chosenLevelSet(target.text, target.grid, levelSetsOf(have)), target.text);
 }
 
 template <int Dim>

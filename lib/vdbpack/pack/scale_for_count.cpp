@@ -53,6 +53,17 @@ double roomBeside(const std::vector<Sphere<Dim>>& existing, const Domain<Dim>& d
     return std::max(0.05, 1 - taken / domain.volume());
 }
 
+/// The scale at which spheres with their shells have this mean volume (2D: area), mm^Dim.
+template <int Dim>
+double scaleWith(const LocalBalls<Dim>& balls, double ball, double shell) {
+    double lo = 0, hi = std::pow(ball / balls.mean(), 1.0 / Dim);
+    for (int i = 0; shell > 0 && i < 100; ++i) {
+        const double middle = 0.5 * (lo + hi);
+        (balls.mean(middle, shell) < ball ? lo : hi) = middle;
+    }
+    return hi;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -63,13 +74,7 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
     checkCount<Dim>(count, kGuess<Dim> * domain.volume() / balls.mean(0, shell), options.gap);
     // Where `n` spheres with their shells fill that fraction of the domain.
     const auto scaleFor = [&](double fraction, double n) {
-        const double ball = fraction * domain.volume() / n;
-        double lo = 0, hi = std::pow(ball / balls.mean(), 1.0 / Dim);
-        for (int i = 0; shell > 0 && i < 100; ++i) {
-            const double middle = 0.5 * (lo + hi);
-            (balls.mean(middle, shell) < ball ? lo : hi) = middle;
-        }
-        return hi;
+        return scaleWith(balls, fraction * domain.volume() / n, shell);
     };
     PackOptions trial = options;
     trial.maxCount = 0;

@@ -29,7 +29,7 @@ std::optional<Pack<3>> readInputPackUnlessSolid(const InputPack& recipe,
                                                 const Callbacks& callbacks);
 
 /// Refuses settings of a domain that is not there. @throws ParameterError
-/// @param ofFile  whether its unit, scale and repair are those of the file itself, a solid.
+/// @param ofFile  whether unit, scale and repair belong to the file itself, a solid.
 void requireDomain(const InputPack& recipe, bool ofFile = false);
 
 /// Refuses a pack of parts of which one protrudes from the domain: its walls are others.
