@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95823},
+    {"lib", 95829},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
@@ -36,7 +36,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5667},
     {"lib/vdbpack/voids", 8088},
-    {"lib/vdbpack/formats", 10362},
+    {"lib/vdbpack/formats", 10368},
     {"lib/vdbpack/report", 4063},
     {"lib/vdbpack/preview", 3597},
     {"lib/vdbpack/view", 1583},

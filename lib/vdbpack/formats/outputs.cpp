@@ -26,6 +26,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 namespace vdbpack {
 
@@ -88,8 +89,13 @@ void writeContour(const OutputTarget& target, const RunOutputs<Dim>& have) {
         return set && levelSetName(*set) == kSolid;
     });
     const bool wall = have.wall && (target.grid == kSurface || (target.grid.empty() && !cut));
-    // Spheres that touch the wall lie within the wall of the file.
-    writeStl(roundedOutward(wall ? *have.wall : contourOf(target, have), have.options.unit),
+    TriangleMesh contour;
+    if (!wall) contour = contourOf(target, have);
+    // Spheres that touch the wall lie within the wall of the file; the contour of a shape lies
+    // within its walls anyway.
+    writeStl(wall                ? roundedOutward(*have.wall, have.options.unit)
+             : levelSets.empty() ? contour
+                                 : roundedOutward(std::move(contour), have.options.unit),
              target.file, have.options.unit, have.options.generator);
 }
 
