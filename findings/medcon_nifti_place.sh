@@ -12,7 +12,7 @@ trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
 
 # Packages of Debian 12 into the folder root, with an apt of its own that knows nothing of this machine's packages.
-mkdir -p apt/lists/partial apt/cache/archives/partial root/work
+mkdir -p apt/lists/partial apt/cache/archives/partial root/data
 : >apt/status
 mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Codename: bookworm' | sort -u)
 echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror bookworm main" >apt/sources
@@ -82,22 +82,22 @@ else:
     print(f"values {' '.join(map(str, values))}, scl {slope:g} {intercept:g}, qform %d, sform %d" % struct.unpack_from("<2h", data, 252))
 P
 converted() {  # NAME, then options of medcon
-    local files=("root/work/$1"/*.dcm)
-    [[ -e root/work/$1.in.nii ]] && files=("root/work/$1.in.nii")
-    rm -f "root/work/$1.nii"
-    chroot root /usr/bin/medcon -f "${files[@]#root}" "${@:2}" -c nifti -o "/work/$1" >/dev/null
+    local files=("root/data/$1"/*.dcm)
+    [[ -e root/data/$1.in.nii ]] && files=("root/data/$1.in.nii")
+    rm -f "root/data/$1.nii"
+    chroot root /usr/bin/medcon -f "${files[@]#root}" "${@:2}" -c nifti -o "/data/$1" >/dev/null
     printf '%s: ' "$*"
-    python3 ct.py show "root/work/$1.nii"
+    python3 ct.py show "root/data/$1.nii"
 }
-python3 ct.py series root/work/axial axial
-python3 ct.py series root/work/sagittal sagittal
-python3 ct.py turned root/work/turned.in.nii
+python3 ct.py series root/data/axial axial
+python3 ct.py series root/data/sagittal sagittal
+python3 ct.py turned root/data/turned.in.nii
 {
     converted axial -stack3d -qs
     converted axial -stack3d
     converted sagittal -stack3d
     converted turned
-    cmp root/work/axial.nii root/work/sagittal.nii && echo "axial and sagittal: the same bytes"
+    cmp root/data/axial.nii root/data/sagittal.nii && echo "axial and sagittal: the same bytes"
 } | tee seen
 diff seen - <<'E' || exit 1
 axial -stack3d -qs: values 0 862, scl 2 -1024, qform 0, sform 0

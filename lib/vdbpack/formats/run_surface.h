@@ -14,7 +14,7 @@ namespace vdbpack {
 const VdbGrid& chosenLevelSet(const std::string& output, const std::string& name,
                               const std::vector<std::shared_ptr<const VdbGrid>>& levelSets);
 
-/// Those of the run, or that of its domain.
+/// The level sets of the run; where it has none, one of its domain.
 template <int Dim>
 std::vector<std::shared_ptr<const VdbGrid>> levelSetsOf(const RunOutputs<Dim>& have);
 
