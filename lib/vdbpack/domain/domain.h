@@ -97,6 +97,14 @@ public:
     /// Volume (2D: area) of the part farther than `depth` >= 0 from the wall, mm^Dim.
     /// Exact for plain shapes, else from the field (`depth` within its width).
     virtual double volumeDeeperThan(double depth) const = 0;
+    /// The same of several depths, which ascend; in one pass where a field has them.
+    virtual std::vector<double> volumesDeeperThan(const std::vector<double>& depths) const {
+        std::vector<double> volumes;
+        for (const double depth : depths)
+            volumes.push_back(!volumes.empty() && volumes.back() == 0 ? 0
+                                                                      : volumeDeeperThan(depth));
+        return volumes;
+    }
     /// Largest depth up to which `signedDistance` is not clamped, mm; infinity for shapes.
     virtual double fieldDepth() const = 0;
     virtual std::unique_ptr<DomainSampler<Dim>> sampler() const = 0;

@@ -162,7 +162,12 @@ public:
     }
     double wallArea() const override { return parts_.area; }
     double volumeDeeperThan(double depth) const override {
-        return depth > 0 ? parts_.field->volumeDeeperThan(depth) : parts_.volume;
+        return volumesDeeperThan({depth})[0];
+    }
+    std::vector<double> volumesDeeperThan(const std::vector<double>& depths) const override {
+        std::vector<double> volumes = parts_.field->volumesDeeperThan(depths);
+        for (std::size_t i = 0; i < depths.size() && depths[i] == 0; ++i) volumes[i] = parts_.volume;
+        return volumes;
     }
     double fieldDepth() const override { return parts_.field->depth(); }
     std::unique_ptr<DomainSampler<3>> sampler() const override {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -32,20 +33,24 @@ void forEachTile(const Node& node, const Visit& visit) {
         for (auto child = node.cbeginChildOn(); child; ++child) forEachTile(*child, visit);
 }
 
-/// Sum of `share(accessor, leaf)` over the leaves, and of the voxels above them whose value is at
-/// most `level`; the same for any number of threads.
+/// Sums of what `share(accessor, leaf, sums)` adds for each leaf, and of the voxels above the leaves
+/// whose value is at most each level; the same for any number of threads.
 template <class Share>
-double sumOverLeaves(const FloatGrid& field, float level, const Share& share) {
+std::vector<double> sumsOverLeaves(const FloatGrid& field, const std::vector<float>& levels,
+                                   const Share& share) {
+    constexpr std::size_t kGrain = 64;
     const openvdb::tree::LeafManager<const FloatGrid::TreeType> leaves(field.tree());
-    std::vector<double> sums(leaves.leafCount());
-    parallelFor(IndexRange(0, sums.size(), 64), [&](const IndexRange& range) {
+    const std::size_t count = leaves.leafCount(), all = levels.size();
+    const std::size_t parts = (count + kGrain - 1) / kGrain;
+    std::vector<double> sums(all * parts), total(all);
+    parallelFor(std::size_t{0}, parts, [&](std::size_t part) {
         auto accessor = field.getConstAccessor();
-        for (std::size_t i = range.begin(); i != range.end(); ++i)
-            sums[i] = share(accessor, leaves.leaf(i));
+        for (std::size_t i = part * kGrain; i < std::min(count, (part + 1) * kGrain); ++i)
+            share(accessor, leaves.leaf(i), sums.data() + part * all);
     });
-    double total = std::accumulate(sums.begin(), sums.end(), 0.0);
+    for (std::size_t i = 0; i < sums.size(); ++i) total[i % all] += sums[i];
     forEachTile(field.tree().root(), [&](float value, double voxels) {
-        if (value <= level) total += voxels;
+        for (std::size_t i = 0; i < all && value <= levels[i]; ++i) total[i] += voxels;
     });
     return total;
 }
@@ -74,27 +79,44 @@ public:
         }
     }
 
-    /// Volume of the cells between them in which the trilinear interpolant is at most `level`.
-    double volume(float level) const {
+    /// Adds to `sums` the volume of the cells between them in which the trilinear interpolant is at
+    /// most each of the levels, which descend.
+    void addVolumes(const std::vector<float>& levels, double* sums) const {
         const auto [least, most] = std::minmax_element(std::begin(values_), std::end(values_));
-        if (*least > level) return 0;
-        if (*most <= level) return kEdge * kEdge * kEdge;
-        double sum = 0;
+        const auto [first, last] = between(levels, *least, *most);
+        for (std::size_t i = 0; i < first; ++i) sums[i] += kEdge * kEdge * kEdge;
+        if (first == last) return;
+        const std::vector<float> crossing(levels.data() + first, levels.data() + last);
         for (int x = 0; x < kEdge; ++x)
             for (int y = 0; y < kEdge; ++y)
-                for (int z = 0; z < kEdge; ++z) sum += cell(index(x, y, z), level);
-        return sum;
+                for (int z = 0; z < kEdge; ++z) addCell(index(x, y, z), crossing, sums + first);
     }
 
 private:
     static constexpr int kAcross = kEdge + 1;
     static int index(int x, int y, int z) { return (x * kAcross + y) * kAcross + z; }
 
-    double cell(int first, float level) const {
-        float corner[8];
-        for (int i = 0; i < 8; ++i)
-            corner[i] = values_[first + index(i & 1, i >> 1 & 1, i >> 2)] - level;
-        return shareBelowZero<3>(corner);
+    /// The range of the levels that descend from below `most` to `least`.
+    static std::pair<std::size_t, std::size_t> between(const std::vector<float>& levels,
+                                                       float least, float most) {
+        std::size_t first = 0;
+        while (first < levels.size() && levels[first] >= most) ++first;
+        std::size_t last = first;
+        while (last < levels.size() && levels[last] >= least) ++last;
+        return {first, last};
+    }
+
+    void addCell(int at, const std::vector<float>& levels, double* sums) const {
+        float value[8];
+        for (int i = 0; i < 8; ++i) value[i] = values_[at + index(i & 1, i >> 1 & 1, i >> 2)];
+        const auto [least, most] = std::minmax_element(std::begin(value), std::end(value));
+        const auto [first, last] = between(levels, *least, *most);
+        for (std::size_t i = 0; i < first; ++i) sums[i] += 1;
+        for (std::size_t i = first; i < last; ++i) {
+            float corner[8];
+            for (int c = 0; c < 8; ++c) corner[c] = value[c] - levels[i];
+            sums[i] += shareBelowZero<3>(corner);
+        }
     }
 
     float values_[kAcross * kAcross * kAcross];
@@ -104,21 +126,22 @@ private:
 
 double volumeByVoxels(const FloatGrid& field, float voxelSize) {
     const float inverse = 1 / voxelSize;
-    return sumOverLeaves(field, 0, [inverse](const FloatGrid::ConstAccessor&, const Leaf& leaf) {
+    const auto share = [inverse](const FloatGrid::ConstAccessor&, const Leaf& leaf, double* sum) {
         const float* const values = leaf.buffer().data();
         std::array<double, kLanes> lanes{};
         for (std::size_t k = 0; k < Leaf::SIZE; k += kLanes)
             for (std::size_t l = 0; l < kLanes; ++l)
                 lanes[l] += std::clamp(0.5f - values[k + l] * inverse, 0.0f, 1.0f);
-        return std::accumulate(lanes.begin(), lanes.end(), 0.0);
-    });
+        *sum += std::accumulate(lanes.begin(), lanes.end(), 0.0);
+    };
+    return sumsOverLeaves(field, {0}, share)[0];
 }
 
-double volumeByCells(const FloatGrid& field, float level) {
-    return sumOverLeaves(field, level,
-                         [level](FloatGrid::ConstAccessor& accessor, const Leaf& leaf) {
-                             return LeafCorners(accessor, leaf).volume(level);
-                         });
+std::vector<double> volumesByCells(const FloatGrid& field, const std::vector<float>& levels) {
+    return sumsOverLeaves(
+        field, levels, [&](FloatGrid::ConstAccessor& accessor, const Leaf& leaf, double* sums) {
+            LeafCorners(accessor, leaf).addVolumes(levels, sums);
+        });
 }
 
 }  // namespace vdbpack

@@ -139,9 +139,13 @@ double VdbField::volume() const {
     return h * h * h * volumeByVoxels(*impl_->grid, static_cast<float>(h));
 }
 
-double VdbField::volumeDeeperThan(double depth) const {
+std::vector<double> VdbField::volumesDeeperThan(const std::vector<double>& depths) const {
     const double h = impl_->voxelSize;
-    return h * h * h * volumeByCells(*impl_->grid, static_cast<float>(-depth));
+    std::vector<float> levels;
+    for (const double depth : depths) levels.push_back(static_cast<float>(-depth));
+    std::vector<double> volumes = volumesByCells(*impl_->grid, levels);
+    for (double& volume : volumes) volume *= h * h * h;
+    return volumes;
 }
 
 std::shared_ptr<const VdbGrid> VdbField::surface() const {

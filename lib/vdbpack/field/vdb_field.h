@@ -52,7 +52,9 @@ public:
     double volume() const;
     /// Volume of the part that is `depth` mm deep, as `Sampler` sees it: two parts of a bone closer
     /// than a voxel, or an interior thinner than that, are seen alike by both.
-    double volumeDeeperThan(double depth) const;
+    double volumeDeeperThan(double depth) const { return volumesDeeperThan({depth})[0]; }
+    /// The same of several depths, which ascend, in one pass.
+    std::vector<double> volumesDeeperThan(const std::vector<double>& depths) const;
     /// The band cut to three voxels on both sides, in mm of the mesh, class level set, named
     /// `surface`. Made on the first call.
     std::shared_ptr<const VdbGrid> surface() const;

@@ -125,12 +125,12 @@ DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Dom
     const BinSums sum = sumsOfBins(spheres, domain, width, count, rows);
     DensityProfile profile;
     profile.width = width;
-    double outer = domain.volumeDeeperThan(0);
+    std::vector<double> depths;
+    for (std::size_t b = 0; b <= count; ++b)
+        depths.push_back(std::min(static_cast<double>(b) * width, known));
+    const std::vector<double> deeper = domain.volumesDeeperThan(depths);
     for (std::size_t b = 0; b < count; ++b) {
-        const double inner =
-            domain.volumeDeeperThan(std::min(static_cast<double>(b + 1) * width, known));
-        const double part = outer - inner;
-        outer = inner;
+        const double part = deeper[b] - deeper[b + 1];
         if (!(part > 1e-9 * domain.volume())) break;
         profile.volume.push_back(part);
         profile.fraction.push_back(sum.covered[b] / part);
