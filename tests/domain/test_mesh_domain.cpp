@@ -5,6 +5,8 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/welding.h"
 
 #include <tbb/global_control.h>
 
@@ -72,9 +74,14 @@ TEST_CASE("the field of a ball or box is right within a voxel, better in smaller
         REQUIRE(errors.mean < 0.7 * coarser.mean);
         REQUIRE(domain->volume() == Approx(exact->volume()).epsilon(0.003));
         REQUIRE(domain->wallArea() == Approx(exact->wallArea()).epsilon(0.003));
-        for (const double depth : {0.5, 1.0, 2.0})
-            REQUIRE(domain->volumeDeeperThan(depth) ==
-                    Approx(exact->volumeDeeperThan(depth)).epsilon(0.1 * voxelSize * voxelSize));
+        const std::vector<double> depths{0.5, 1.0, 2.0};
+        const auto volumes = domain->volumesDeeperThan(depths);
+        for (std::size_t i = 0; i < depths.size(); ++i) {
+            REQUIRE(
+                volumes[i] ==
+                Approx(exact->volumeDeeperThan(depths[i])).epsilon(0.1 * voxelSize * voxelSize));
+            REQUIRE(domain->volumeDeeperThan(depths[i]) == Approx(volumes[i]).epsilon(1e-12));
+        }
         coarser = errors;
     }
 }
@@ -153,6 +160,18 @@ TEST_CASE("pieces side by side are one domain") {
     REQUIRE((*domain->centroid())[0] == Approx(9 * 27.0 / (27 + 64)).epsilon(1e-3));
     REQUIRE(domain->sampler()->signedDistance({{9, 0, 0}}) < 0);
     REQUIRE(domain->sampler()->signedDistance({{5, 0, 0}}) > 0);
+}
+
+TEST_CASE("the field of solids that touch along an edge knows their smallest pores") {
+    const auto mesh = welded(merged(boxMesh({{0, 0, 0}}, {{4, 4, 4}}),
+                                    merged(boxMesh({{4, 4, 0}}, {{8, 8, 4}}),
+                                           boxMesh({{1.99, 1.99, 1.99}}, {{2.01, 2.01, 2.01}}))));
+    REQUIRE(checkMesh(mesh).nonManifoldEdges == 1);
+    const auto domain = meshDomain(mesh, options(0.3));
+    CHECK(domain->volume() == Approx(128));
+    const auto asker = domain->sampler();
+    CHECK(asker->signedDistance({{2.6, 2, 2}}) == Approx(-0.59).margin(0.1));
+    CHECK(asker->signedDistance({{6, 6, 1}}) == Approx(-1).margin(0.01));
 }
 
 TEST_CASE("a bone far from the origin or in another place on the lattice is the same bone") {

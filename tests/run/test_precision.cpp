@@ -6,6 +6,7 @@
 #include "support/paths.h"
 #include "support/test.h"
 
+#include "vdbpack/core/rng.h"
 #include "vdbpack/domain/domain_source.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
@@ -99,6 +100,35 @@ TEST_CASE("a pack lies within the .stl that its run wrote, far from the origin a
         CHECK(runMesh(mesh).fitness.verdict == MeshFitness::Verdict::yes);
         CHECK(runPack(recipeFor(folder.file("s.stl"), "uniform:0.5,1")).passed);
     }
+}
+
+TEST_CASE("the .stl of an image's surface makes the same pack as the image") {
+    const TemporaryFolder folder;
+    ImageGrid grid = gridAround(9, {{0.7, 0.8, 0.9}});
+    grid.origin += Vec<3>{{-183.3, 412.7, -871.9}};
+    // Voxels with just the threshold, pores and specks of one voxel, voxels that meet at an edge.
+    RandomStream random(5, 1);
+    const bool isLabelMap = GENERATE(true, false);
+    const auto voxels = Voxels<std::int16_t>::of(grid, [&](const Vec<3>& p) {
+        const double depth = 8 - length(p - Vec<3>{{-183.3, 412.7, -871.9}});
+        const double noise = random.uniform() < 0.03 ? 9 * random.uniform() - 4.5 : 0;
+        const double value = std::floor(std::clamp(depth, -2.0, 2.0) + noise);
+        return isLabelMap ? value >= 0 : 100 * value;
+    });
+    writeNrrd(folder.file("v.nrrd"), voxels, "int16");
+    auto recipe = recipeFor(folder.file("v.nrrd"), "uniform:0.3,0.6");
+    if (!isLabelMap) recipe.domain.threshold = 0;
+    recipe.outputs = {folder.file("s.stl")};
+    const auto made = runPack(recipe);
+    CAPTURE(isLabelMap);
+    CHECK(made.report.count > 1000);
+    const MeshHealth health = checkMesh(readMesh(folder.file("s.stl")));
+    CHECK(health.pieces > 10);
+    CHECK(health.isWatertight());
+    CHECK(health.intersections == 0);
+    CHECK(health.degenerateTriangles == 0);
+    CHECK(runPack(recipeFor(folder.file("s.stl"), "uniform:0.3,0.6")).report.hash ==
+          made.report.hash);
 }
 
 TEST_CASE("a pack of what voids leave lies within the .stl of that solid") {

@@ -245,7 +245,7 @@ FieldOptions DomainSource::fieldOptions(double minRadius, double maxRadius,
 }
 
 bool DomainSource::isWatertight() const {
-    return analysis_ && analysis_->health.isWatertight();
+    return analysis_ && analysis_->health.hasParity();
 }
 
 FieldPlan DomainSource::plan(double minRadius, double maxRadius, double voxelSize) const {
@@ -254,7 +254,7 @@ FieldPlan DomainSource::plan(double minRadius, double maxRadius, double voxelSiz
     const FieldOptions options = fieldOptions(minRadius, maxRadius, voxelSize);
     plan.triangles = mesh_->triangles.size();
     plan.vertices = mesh_->vertices.size();
-    plan.watertight = !levelSet_ && analysis_->health.isWatertight();
+    plan.watertight = !levelSet_ && analysis_->health.hasParity();
     plan.area = analysis_->health.area;
     plan.volume = fileVolume();
     plan.voxelSize =

@@ -161,12 +161,11 @@ public:
         return inside.centroid();
     }
     double wallArea() const override { return parts_.area; }
-    double volumeDeeperThan(double depth) const override {
-        return volumesDeeperThan({depth})[0];
-    }
+    double volumeDeeperThan(double depth) const override { return volumesDeeperThan({depth})[0]; }
     std::vector<double> volumesDeeperThan(const std::vector<double>& depths) const override {
         std::vector<double> volumes = parts_.field->volumesDeeperThan(depths);
-        for (std::size_t i = 0; i < depths.size() && depths[i] == 0; ++i) volumes[i] = parts_.volume;
+        for (std::size_t i = 0; i < depths.size() && depths[i] == 0; ++i)
+            volumes[i] = parts_.volume;
         return volumes;
     }
     double fieldDepth() const override { return parts_.field->depth(); }
@@ -343,13 +342,17 @@ Parts makeParts(SharedMesh shared, const VdbGrid* levelSet, const FieldOptions& 
                       parts.triangles = trianglesOf(shared, parts.nesting.watertight);
               });
     if (!isClean(health)) {
-        callbacks.warn(fmt::format(
-            "{}: the mesh has flaws: {}; its field is sound and is used ({:.6g} mm³, the mesh "
-            "itself {:.6g} mm³){}",
-            options.name, flawsOf(health), builder.volume, health.enclosedVolume,
-            isSound(health) ? "" : "; set `repair` to mend them"));
+        const std::string taken = hasVolume(health)
+                                      ? std::string("what it encloses is known all the same")
+                                      : fmt::format(
+                                            "its field is sound and is used ({:.6g} mm³, the mesh "
+                                            "itself {:.6g} mm³)",
+                                            builder.volume, health.enclosedVolume);
+        callbacks.warn(fmt::format("{}: the mesh has flaws: {}; {}{}", options.name,
+                                   flawsOf(health), taken,
+                                   isSound(health) ? "" : "; set `repair` to mend them"));
     }
-    parts.volume = isClean(health) ? health.enclosedVolume : builder.volume;
+    parts.volume = hasVolume(health) ? health.enclosedVolume : builder.volume;
     parts.area = health.area;
     parts.facts = factsOf(mesh, health, options, kind);
     parts.facts.voxelSize = builder.voxelSize;

@@ -116,6 +116,12 @@ bool isClean(const MeshHealth& health) {
     return health.isWatertight() && isSound(health);
 }
 
+bool hasVolume(const MeshHealth& health) {
+    constexpr double kRounding = 1e-6;
+    return health.hasParity() && health.inconsistentEdges == 0 &&
+           health.intersectionVolume <= kRounding * health.enclosedVolume;
+}
+
 std::string flawsOf(const MeshHealth& health) {
     std::string text;
     const auto add = [&](std::size_t count, const char* what) {
@@ -165,7 +171,7 @@ MeshNesting nestingOf(const MeshAnalysis& analysis) {
     const ShellAnalysis& shells = analysis.shells;
     const std::size_t n = shells.shellOfTriangle.size();
     MeshNesting nesting;
-    nesting.watertight = analysis.health.isWatertight();
+    nesting.watertight = analysis.health.hasParity();
     if (std::any_of(shells.shells.begin(), shells.shells.end(),
                     [](const Shell& shell) { return shell.depth > 0; })) {
         nesting.depthOfTriangle.resize(n);

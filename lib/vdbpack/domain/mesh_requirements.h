@@ -38,6 +38,10 @@ bool isSound(const MeshHealth& health);
 /// the mesh has a volume.
 bool isClean(const MeshHealth& health);
 
+/// Whether the triangles alone tell what a mesh encloses: it is clean, or its components touch, or
+/// overlap by no more than rounding makes them.
+bool hasVolume(const MeshHealth& health);
+
 /// The defects of a mesh that is not clean, for a message.
 std::string flawsOf(const MeshHealth& health);
 

@@ -33,8 +33,8 @@ void forEachTile(const Node& node, const Visit& visit) {
         for (auto child = node.cbeginChildOn(); child; ++child) forEachTile(*child, visit);
 }
 
-/// Sums of what `share(accessor, leaf, sums)` adds for each leaf, and of the voxels above the leaves
-/// whose value is at most each level; the same for any number of threads.
+/// Sums of what `share(accessor, leaf, sums)` adds for each leaf, and of the voxels above the
+/// leaves whose value is at most each level; the same for any number of threads.
 template <class Share>
 std::vector<double> sumsOverLeaves(const FloatGrid& field, const std::vector<float>& levels,
                                    const Share& share) {
@@ -138,10 +138,10 @@ double volumeByVoxels(const FloatGrid& field, float voxelSize) {
 }
 
 std::vector<double> volumesByCells(const FloatGrid& field, const std::vector<float>& levels) {
-    return sumsOverLeaves(
-        field, levels, [&](FloatGrid::ConstAccessor& accessor, const Leaf& leaf, double* sums) {
-            LeafCorners(accessor, leaf).addVolumes(levels, sums);
-        });
+    return sumsOverLeaves(field, levels,
+                          [&](FloatGrid::ConstAccessor& accessor, const Leaf& leaf, double* sums) {
+                              LeafCorners(accessor, leaf).addVolumes(levels, sums);
+                          });
 }
 
 }  // namespace vdbpack

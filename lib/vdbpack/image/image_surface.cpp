@@ -405,8 +405,8 @@ TriangleMesh thresholdSurface(const Image& image, double threshold, const std::s
             interpolate(net, voxels, [&](std::size_t a, std::size_t b) {
                 const double low = valueAt(a), high = valueAt(b);
                 const double share = (threshold - low) / (high - low);
-                // A value that is not a number, or exactly the threshold.
-                return share >= 0 && share <= 1 ? share : 0.5;
+                // Not at a voxel: around one that has just the threshold, vertices would be one.
+                return share >= 0 && share <= 1 ? std::clamp(share, 0.01, 0.99) : 0.5;
             });
         }
         TriangleMesh mesh =

@@ -6,7 +6,10 @@
 
 #include <tbb/parallel_sort.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -116,6 +119,80 @@ std::vector<Side> sidesOf(const SurfaceNet& net, const std::vector<std::uint32_t
     return sides;
 }
 
+/// Rounds a point to what files in single precision can hold, where that is far below a voxel:
+/// then such a file has the very surface.
+class Rounding {
+public:
+    explicit Rounding(const ImageGrid& grid) {
+        double farthest = 0, least = std::numeric_limits<double>::infinity();
+        for (int d = 0; d < 3; ++d) {
+            Vec<3> step;
+            step[d] = 1;
+            least = std::min(least, length(grid.at(step) - grid.origin));
+            farthest = std::max(
+                {farthest, std::fabs(grid.bounds().lo[d]), std::fabs(grid.bounds().hi[d])});
+        }
+        rounds_ = farthest * 0x1p-23 < kFine * least;
+    }
+    Vec<3> operator()(Vec<3> x) const {
+        if (rounds_)
+            for (double& c : x.c) c = static_cast<double>(static_cast<float>(c));
+        return x;
+    }
+
+private:
+    static constexpr double kFine = 1e-3;
+    bool rounds_ = false;
+};
+
+/// Adds a vertex for the corners of faces that go on into one another. Several that a cell has are
+/// moved apart, each by a share of the way to the middle of its faces, so that they stay several in
+/// files that list points alone; not where another label lies, with which they are shared.
+/// @return the vertex of each corner.
+std::vector<std::uint32_t> addVertices(const SurfaceNet& net, const ImageGrid& grid,
+                                       const std::vector<std::uint32_t>& faces,
+                                       const std::function<bool(std::uint16_t)>& inside,
+                                       DisjointSets& corners, TriangleMesh& mesh) {
+    constexpr double kApart = 0.01;
+    std::vector<std::uint32_t> sources;  // vertices of the net
+    std::vector<std::uint8_t> added(net.vertices.size());
+    std::vector<std::uint32_t> number(4 * faces.size(), kNoVertex);
+    const auto sourceOf = [&](std::uint32_t c) { return net.faces[faces[c / 4]].vertices[c % 4]; };
+    for (std::uint32_t c = 0; c < number.size(); ++c) {
+        const std::uint32_t root = corners.find(c);
+        if (number[root] == kNoVertex) {
+            number[root] = static_cast<std::uint32_t>(sources.size());
+            sources.push_back(sourceOf(c));
+            if (added[sources.back()] < 2) ++added[sources.back()];
+        }
+        number[c] = number[root];
+    }
+    struct Surroundings {
+        int faces = 0;
+        Vec<3> sum{};           // of the middles of the faces
+        bool isShared = false;  // with another label
+    };
+    std::map<std::uint32_t, Surroundings> several;
+    for (std::uint32_t c = 0; c < number.size(); ++c) {
+        if (added[sourceOf(c)] < 2) continue;
+        const SurfaceNet::Face& face = net.faces[faces[c / 4]];
+        Surroundings& around = several[number[c]];
+        ++around.faces;
+        for (const std::uint32_t v : face.vertices) around.sum += net.vertices[v] * 0.25;
+        for (const std::uint16_t label : {face.below, face.above})
+            around.isShared = around.isShared || (!inside(label) && !SurfaceNet::isEmpty(label));
+    }
+    const Rounding rounded(grid);
+    mesh.vertices.resize(sources.size());
+    for (std::uint32_t v = 0; v < sources.size(); ++v) mesh.vertices[v] = net.vertices[sources[v]];
+    for (const auto& [v, around] : several)
+        if (!around.isShared)
+            mesh.vertices[v] += (around.sum * (1.0 / around.faces) - mesh.vertices[v]) * kApart;
+    forAll(mesh.vertices.size(),
+           [&](std::size_t v) { mesh.vertices[v] = rounded(grid.at(mesh.vertices[v])); });
+    return number;
+}
+
 }  // namespace
 
 TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
@@ -131,20 +208,13 @@ TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
     DisjointSets corners = joinedCorners(net, faces, sides);
     sides = {};
     TriangleMesh mesh;
-    std::vector<std::uint32_t> number(4 * faces.size(), kNoVertex);
+    const std::vector<std::uint32_t> number = addVertices(net, grid, faces, inside, corners, mesh);
     mesh.triangles.resize(2 * faces.size());
     const bool mirrored = grid.signedVoxelVolume() < 0;
     for (std::size_t f = 0; f < faces.size(); ++f) {
         const SurfaceNet::Face& face = net.faces[faces[f]];
         std::array<std::uint32_t, 4> q;
-        for (std::uint32_t k = 0; k < 4; ++k) {
-            const std::uint32_t root = corners.find(static_cast<std::uint32_t>(4 * f) + k);
-            if (number[root] == kNoVertex) {
-                number[root] = static_cast<std::uint32_t>(mesh.vertices.size());
-                mesh.vertices.push_back(grid.at(net.vertices[face.vertices[k]]));
-            }
-            q[k] = number[root];
-        }
+        for (std::uint32_t k = 0; k < 4; ++k) q[k] = number[4 * f + k];
         // The shorter diagonal, the same for both labels.
         const auto& v = mesh.vertices;
         const bool other = squaredLength(v[q[1]] - v[q[3]]) < squaredLength(v[q[0]] - v[q[2]]);

@@ -150,6 +150,7 @@ void countEdges(const TriangleMesh& mesh, const EdgeTable& edges, MeshHealth& he
         if (uses == 2 && edges.isForward(first[0]) == edges.isForward(first[1]))
             ++health.inconsistentEdges;
         if (uses > 2) ++health.nonManifoldEdges;
+        if (uses > 2 && edges.surplus(first, last) != 0) ++health.unbalancedEdges;
     });
     health.boundaryEdges = boundary.size();
     if (!boundary.empty()) health.leak = measureLeak(mesh, boundary);
@@ -252,6 +253,7 @@ nlohmann::json toJson(const MeshHealth& health) {
             {"shells", health.shells},
             {"boundaryEdges", health.boundaryEdges},
             {"nonManifoldEdges", health.nonManifoldEdges},
+            {"unbalancedEdges", health.unbalancedEdges},
             {"inconsistentEdges", health.inconsistentEdges},
             {"duplicateTriangles", health.duplicateTriangles},
             {"degenerateTriangles", health.degenerateTriangles},

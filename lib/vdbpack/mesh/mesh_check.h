@@ -38,6 +38,7 @@ struct MeshHealth {
     std::size_t shells = 0;               ///< components connected by shared edges (mesh_shells.h)
     std::size_t boundaryEdges = 0;        ///< with one triangle
     std::size_t nonManifoldEdges = 0;     ///< with three triangles or more
+    std::size_t unbalancedEdges = 0;      ///< of these, with more triangles one way than the other
     std::size_t inconsistentEdges = 0;    ///< with two triangles of opposite orientation
     std::size_t duplicateTriangles = 0;   ///< with the same three vertices as an earlier one
     std::size_t degenerateTriangles = 0;  ///< without area: height below 1e-9 of the longest side
@@ -58,6 +59,9 @@ struct MeshHealth {
     bool isClosed() const { return boundaryEdges == 0; }
     /// Closed, and no edge has more than two triangles.
     bool isWatertight() const { return boundaryEdges == 0 && nonManifoldEdges == 0; }
+    /// Each edge has an even number of triangles: any line from a point inside crosses an odd
+    /// number. Surfaces may touch, and triangles may be there twice, facing both ways.
+    bool hasParity() const { return boundaryEdges == 0 && unbalancedEdges == 0; }
     /// Whether the surface is folded flat, within rounding.
     bool enclosesNothing() const {
         const double size = length(bounds.size());

@@ -18,9 +18,18 @@ namespace {
 /// spheres.
 constexpr double kCountTolerance = 0.018, kCountsApart = 0.5;
 constexpr int kCountAttempts = 8;
+constexpr double kFar = std::numeric_limits<double>::max();
 
-bool isNear(double off, double target) {
+bool isNear(double count, double target) {
+    const double off = std::fabs(count - target);
     return off < kCountsApart || off < kCountTolerance * target;
+}
+
+/// Whether a count is nearer than another one by its ratio to the target: where spheres a little
+/// larger fit nowhere, twice as many as requested fill the domain, and a few leave it empty.
+bool isNearer(double count, double other, double target) {
+    const auto ratio = [&](double n) { return n > 0 ? std::fabs(std::log(n / target)) : kFar; };
+    return ratio(count) < ratio(other);
 }
 
 /// The scales tried so far, and the next one.
@@ -65,7 +74,7 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
                             const CountedSpheres<Dim>& counted) {
     const PackOptions asked = options;
     PackResult<Dim> best;
-    double bestOff = std::numeric_limits<double>::infinity(), bestScale = 1, bestCount = 0;
+    double bestScale = 1, bestCount = 0;
     ScaleSearch search(target, Dim);
     const double front = std::max(1.0, target / counted.share);
     double scale =
@@ -88,18 +97,17 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         if (counted.count && !interrupted && count > 0)
             count = counted.count(spheres, options.local.largest(options.sizes));
         // Where the last one was interrupted, the one that has more is kept.
-        if (std::fabs(count - target) < bestOff || (interrupted && !(bestCount > 0))) {
-            bestOff = std::fabs(count - target);
+        if (isNearer(count, bestCount, target) || !(bestCount > 0)) {
             bestScale = scale;
             bestCount = count;
             best = std::move(result);
         }
         best.interrupted = interrupted;
-        if (interrupted || options.maxCount > 0 || isNear(bestOff, target)) break;
+        if (interrupted || options.maxCount > 0 || isNear(bestCount, target)) break;
         scale = search.next(scale, count);
     }
     scaleSizes(options, asked, bestScale);
-    if (counted.warns && !best.interrupted && options.maxCount == 0 && !isNear(bestOff, target))
+    if (counted.warns && !best.interrupted && options.maxCount == 0 && !isNear(bestCount, target))
         callbacks.warn(fmt::format(
             "{:.0f} {} were requested, and {:.0f} are nearest of {} packs; give another number or "
             "seed, or the radii themselves",

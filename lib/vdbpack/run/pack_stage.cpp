@@ -347,9 +347,10 @@ RunPtr<Dim> packMeasured(const PackRecipe& recipe, const SourcePtr& source,
     measureStage(*run);
     if (recipe.packing.maxCount == 0) {
         const Report& report = run->report;
+        const double largest = options.local.largest(options.sizes);
         warnOfCount(*run, prepared.requested.targetCount,
-                    static_cast<double>(report.count - report.existing));
-        warnOfSizes(*run, options.local.largest(options.sizes));
+                    static_cast<double>(report.count - report.existing), largest);
+        warnOfSizes(*run, largest);
     }
     return run;
 }

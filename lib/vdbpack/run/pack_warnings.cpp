@@ -137,14 +137,21 @@ void warnOfThinSolid(const Run<Dim>& run) {
 }
 
 template <int Dim>
-void warnOfCount(const Run<Dim>& run, double target, double count) {
+void warnOfCount(const Run<Dim>& run, double target, double count, double largest) {
+    constexpr double kAlmost = 0.9;
     if (!(target > 0) || run.report.interrupted ||
         std::fabs(count - target) <= std::max(kCountTolerance * target, 0.5))
         return;
+    std::string reason;
+    if (largest > 0 && count > target && !run.ranks() && !run.solid) {
+        const double room = largestBall(run.filled()).radius;
+        if (largest > kAlmost * room)
+            reason = fmt::format(", since none of more than {:.4g} mm fits into the domain", room);
+    }
     run.callbacks.warn(
-        fmt::format("`targetCount` {:.0f}: the nearest count found is {:.0f} {}; give another "
-                    "number, or the radii themselves",
-                    target, count, Measure<Dim>::kSpheres));
+        fmt::format("`targetCount` {:.0f}: the nearest number of {} found is {:.0f}{}; give "
+                    "another number, or the radii themselves",
+                    target, Measure<Dim>::kSpheres, count, reason));
 }
 
 template <int Dim>
@@ -178,12 +185,12 @@ void requireSpheresLeft(const Run<Dim>& run, std::uint64_t before) {
         bvtv ? fmt::format(" and leave a BV/TV of {:.4f}", *bvtv) : std::string()));
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                     \
-    template void warnOfLooseSpheres<Dim>(const Run<Dim>&);          \
-    template void warnOfSizes<Dim>(const Run<Dim>&, double);         \
-    template void warnOfThinSolid<Dim>(const Run<Dim>&);             \
-    template void warnOfCount<Dim>(const Run<Dim>&, double, double); \
-    template void warnOfSmallVoids<Dim>(const Run<Dim>&);            \
+#define VDBPACK_INSTANTIATE(Dim)                                             \
+    template void warnOfLooseSpheres<Dim>(const Run<Dim>&);                  \
+    template void warnOfSizes<Dim>(const Run<Dim>&, double);                 \
+    template void warnOfThinSolid<Dim>(const Run<Dim>&);                     \
+    template void warnOfCount<Dim>(const Run<Dim>&, double, double, double); \
+    template void warnOfSmallVoids<Dim>(const Run<Dim>&);                    \
     template void requireSpheresLeft<Dim>(const Run<Dim>&, std::uint64_t);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

@@ -270,8 +270,9 @@ template <int Dim>
 void warnOfSizes(const Run<Dim>& run, double largest);
 
 /// Warns if the `count` spheres that are left of those that were packed are by far not `target`.
+/// @param largest  radius, mm; 0: the domain is not asked whether it is too thin.
 template <int Dim>
-void warnOfCount(const Run<Dim>& run, double target, double count);
+void warnOfCount(const Run<Dim>& run, double target, double count, double largest = 0);
 
 /// Warns if the spheres are larger than the voids that are cut into their pack: BV/TV belongs to
 /// the level set, which such a pack cannot show.
