@@ -5,8 +5,6 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/welding.h"
 
 #include <tbb/global_control.h>
 
@@ -160,18 +158,6 @@ TEST_CASE("pieces side by side are one domain") {
     REQUIRE((*domain->centroid())[0] == Approx(9 * 27.0 / (27 + 64)).epsilon(1e-3));
     REQUIRE(domain->sampler()->signedDistance({{9, 0, 0}}) < 0);
     REQUIRE(domain->sampler()->signedDistance({{5, 0, 0}}) > 0);
-}
-
-TEST_CASE("the field of solids that touch along an edge knows their smallest pores") {
-    const auto mesh = welded(merged(boxMesh({{0, 0, 0}}, {{4, 4, 4}}),
-                                    merged(boxMesh({{4, 4, 0}}, {{8, 8, 4}}),
-                                           boxMesh({{1.99, 1.99, 1.99}}, {{2.01, 2.01, 2.01}}))));
-    REQUIRE(checkMesh(mesh).nonManifoldEdges == 1);
-    const auto domain = meshDomain(mesh, options(0.3));
-    CHECK(domain->volume() == Approx(128));
-    const auto asker = domain->sampler();
-    CHECK(asker->signedDistance({{2.6, 2, 2}}) == Approx(-0.59).margin(0.1));
-    CHECK(asker->signedDistance({{6, 6, 1}}) == Approx(-1).margin(0.01));
 }
 
 TEST_CASE("a bone far from the origin or in another place on the lattice is the same bone") {

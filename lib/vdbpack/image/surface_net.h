@@ -37,7 +37,7 @@ struct SurfaceNet {
     std::vector<std::uint8_t> junctions;
     std::vector<Face> faces;
 
-    /// Whether a label is that of the background, or of what lies beyond the image.
+    /// Whether a label means the background, or what lies beyond the image.
     static bool isEmpty(std::uint16_t l) { return l == 0 || l == LabelVoxels::kBeyond; }
     /// Whether voxels of two labels have a face between them: there is none between the background
     /// and what lies beyond the image.
@@ -74,7 +74,7 @@ void interpolate(SurfaceNet& net, const LabelVoxels& voxels,
 
 /// The closed surface of the voxels whose labels are `inside`, in the world of `grid`. Each of its
 /// edges has two triangles. Surfaces of labels that touch share their triangles, apart from the
-/// orientation; normals point outwards. Coordinates are those of single precision where that is
+/// orientation; normals point outwards. Coordinates have single precision where that is
 /// far below a voxel.
 TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
                        const std::function<bool(std::uint16_t)>& inside);

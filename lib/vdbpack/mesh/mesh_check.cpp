@@ -304,6 +304,9 @@ std::string toText(const MeshHealth& health) {
     if (health.intersections > 0) row("intersections", health.describeIntersections());
     if (health.isClosed() && health.enclosesNothing())
         row("verdict", "closed, but encloses no volume");
+    else if (health.isWatertight() && health.inconsistentEdges > 0)
+        row("verdict", fmt::format("watertight, but triangles face opposite ways at {}",
+                                   plural(health.inconsistentEdges, "edge")));
     else if (health.isWatertight())
         row("verdict", "watertight");
     else if (health.isClosed())

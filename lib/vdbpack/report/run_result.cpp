@@ -104,8 +104,8 @@ std::string summary(const MeasureResult& result) {
                summary(result.spheres->morphometry);
     }
     return (report.domain.kind.empty()
-                ? fmt::format("{:<11}none: TV is the bounding box of the solid, or the image\n",
-                              "domain")
+                ? fmt::format("{:<11}none: TV is {}\n", "domain",
+                              result.ofImage ? "the whole image" : "the bounding box of the solid")
                 : fmt::format("{:<11}{}\n", "domain", report.domain.kind)) +
            foundRows(report.found) + summary(*result.morphometry) +
            fmt::format(
@@ -199,7 +199,9 @@ std::string fitnessRows(const MeshResult& result) {
                                 : result.repair
                                     ? "yes, as repaired"
                                     : "with `repair`; as it is, a pack by default is refused");
-    for (const auto& reason : fitness.reasons) text += row("", reason);
+    // Of a mesh that was repaired, what was wrong is stated above.
+    if (!result.repair || fitness.verdict == Verdict::no)
+        for (const auto& reason : fitness.reasons) text += row("", reason);
     if (result.repair || fitness.verdict != Verdict::withRepair || !fitness.repair) return text;
     text += "\nwith `repair`\n" + repairRows(*fitness.repair);
     for (const auto& warning : repairWarnings(*fitness.repair, result.source))

@@ -64,6 +64,7 @@ struct MeasureResult {
     RunResult run;                             ///< of a level set: its report has no spheres
     Structure structure;                       ///< of a pack
     std::optional<Morphometry> morphometry;    ///< of a level set
+    bool ofImage = false;                      ///< its total volume is that of the whole image
     std::optional<SphereMorphometry> spheres;  ///< of a pack, if requested
 };
 

@@ -294,6 +294,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     MeasureResult result;
     result.morphometry = measuredImage(voxels, recipe.pack, callbacks);
     result.morphometry->ofVoxels = !solid.solid.empty();
+    result.ofImage = solid.isWholeImage && !total;
     takeVolumes(recipe, solid, total.get(), *result.morphometry);
     warnOfBorder(*result.morphometry, voxels, total || isImageSolid(recipe), recipe.pack,
                  callbacks);

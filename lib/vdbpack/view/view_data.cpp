@@ -137,7 +137,7 @@ Json columnOf(const std::string& name, const std::vector<Value>& all,
         column.update({{"lo", shift}, {"step", 1}, {"whole", true}});
     else
         column.update(packedNumbers(values));
-    if (name == "region" && *std::max_element(values.begin(), values.end()) <= 1) {
+    if (name == "region" && *std::max_element(values.begin(), values.end()) == 1) {
         column["names"] = {"cortical", "trabecular"};
         column["colors"] = bytesOf(regionColors());
     } else if (std::is_same_v<Value, double> && areKinds(values)) {
