@@ -72,14 +72,9 @@ TEST_CASE("the field of a ball or box is right within a voxel, better in smaller
         REQUIRE(errors.mean < 0.7 * coarser.mean);
         REQUIRE(domain->volume() == Approx(exact->volume()).epsilon(0.003));
         REQUIRE(domain->wallArea() == Approx(exact->wallArea()).epsilon(0.003));
-        const std::vector<double> depths{0.5, 1.0, 2.0};
-        const auto volumes = domain->volumesDeeperThan(depths);
-        for (std::size_t i = 0; i < depths.size(); ++i) {
-            REQUIRE(
-                volumes[i] ==
-                Approx(exact->volumeDeeperThan(depths[i])).epsilon(0.1 * voxelSize * voxelSize));
-            REQUIRE(domain->volumeDeeperThan(depths[i]) == Approx(volumes[i]).epsilon(1e-12));
-        }
+        for (const double depth : {0.5, 1.0, 2.0})
+            REQUIRE(domain->volumeDeeperThan(depth) ==
+                    Approx(exact->volumeDeeperThan(depth)).epsilon(0.1 * voxelSize * voxelSize));
         coarser = errors;
     }
 }

@@ -15,6 +15,11 @@ TEST_CASE("the field of solids that touch along an edge knows their smallest por
     options.depth = 2;
     const auto domain = meshDomain(mesh, options);
     CHECK(domain->volume() == Approx(128));
+    const std::vector<double> depths{0, 0.5, 1, 1.9, 2};
+    const auto volumes = domain->volumesDeeperThan(depths);
+    for (std::size_t i = 0; i < depths.size(); ++i)
+        CHECK(volumes[i] == Approx(domain->volumeDeeperThan(depths[i])).epsilon(1e-12));
+    CHECK(volumes[1] < 2 * 27);
     const auto asker = domain->sampler();
     CHECK(asker->signedDistance({{2.6, 2, 2}}) == Approx(-0.59).margin(0.1));
     CHECK(asker->signedDistance({{6, 6, 1}}) == Approx(-1).margin(0.01));
