@@ -21,17 +21,17 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 95990},
+    {"lib", 96030},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
-    {"lib/vdbpack/mesh", 3993},
+    {"lib/vdbpack/mesh", 4008},
     {"lib/vdbpack/verify", 2453},
     {"lib/vdbpack/image", 5780},
     {"lib/vdbpack/field", 6109},
-    {"lib/vdbpack/repair", 2860},
+    {"lib/vdbpack/repair", 2872},
     {"lib/vdbpack/domain", 7111},
-    {"lib/vdbpack/pack", 8052},
+    {"lib/vdbpack/pack", 8065},
     {"lib/vdbpack/densify", 6008},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5667},
@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3618},
     {"lib/vdbpack/run", 7754},
     {"tools", 3942},
-    {"tests", 35985},
+    {"tests", 36011},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -171,6 +171,18 @@ TEST_CASE("copies and triangles without area are counted and dropped") {
     CHECK(checkMesh(again).isWatertight());
 }
 
+TEST_CASE("without their common wall two boxes are one, and copies are left once") {
+    const auto boxes =
+        welded(merged(boxMesh({{0, 0, 0}}, {{2, 2, 2}}), boxMesh({{2, 0, 0}}, {{4, 2, 2}})));
+    REQUIRE(checkMesh(boxes).duplicateTriangles > 0);
+    auto copied = boxes;
+    copied.triangles.push_back(boxes.triangles.front());
+    const auto joined = checkMesh(withoutDuplicates(copied, false));
+    CHECK(joined.isWatertight());
+    CHECK(joined.shells == 1);
+    CHECK(joined.signedVolume == Approx(16));
+}
+
 TEST_CASE("a needle keeps a mesh closed and is counted as degenerate") {
     // The middle of an edge of a box belongs to one face only; a needle joins both sides.
     auto mesh = boxMesh({{0, 0, 0}}, {{2, 2, 2}});

@@ -4,6 +4,7 @@
 
 #include "vdbpack/core/rng.h"
 #include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/mesh/welding.h"
 #include "vdbpack/repair/facing.h"
 #include "vdbpack/repair/hole_filling.h"
 #include "vdbpack/repair/mesh_repair.h"
@@ -176,6 +177,19 @@ TEST_CASE("solids that touch along an edge part there") {
     CHECK(repaired.report.method == RepairReport::Method::triangles);
     CHECK(checkMesh(repaired.mesh).shells == 2);
     CHECK(volumeOf(repaired.mesh) == Approx(2).epsilon(1e-12));
+}
+
+TEST_CASE("solids with a wall in common keep their volume") {
+    const auto core = ballMesh(5, 3), shell = merged(ballMesh(10, 3), flipped(core));
+    const bool nested = GENERATE(true, false);
+    const auto mesh = welded(
+        nested ? merged(shell, core)
+               : merged(boxMesh({{0, 0, 0}}, {{2, 2, 2}}), boxMesh({{2, 0, 0}}, {{4, 2, 2}})));
+    REQUIRE(checkMesh(mesh).duplicateTriangles > 0);
+    const auto repaired = repairMesh(mesh);
+    requireSound(repaired.mesh);
+    CHECK(volumeOf(repaired.mesh) == Approx(nested ? volumeOf(ballMesh(10, 3)) : 16));
+    CHECK(checkMesh(repaired.mesh).shells == 1);
 }
 
 TEST_CASE("floating pieces stay and face outward") {

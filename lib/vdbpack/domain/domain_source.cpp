@@ -182,7 +182,7 @@ void DomainSource::takeCuts() {
 void DomainSource::takeMesh(const Callbacks& callbacks) {
     callbacks.stopIfCancelled();
     fileBounds_ = mesh_->bounds();
-    analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
+    analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_, isImage(recipe_)));
     checkSize(fileBounds_, recipe_, callbacks);
 }
 

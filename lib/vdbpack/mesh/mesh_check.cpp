@@ -28,9 +28,9 @@ std::string plural(std::size_t n, const char* one) {
     return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
 }
 
-/// [i] is 1 if an earlier triangle has the same three vertices as triangle i. Rows by the lowest
-/// vertex: linear time for any mesh but a fan of very many triangles.
-std::vector<char> findCopies(const TriangleMesh& mesh) {
+/// [i] is the first triangle with the same three vertices as triangle i. Rows by the lowest vertex:
+/// linear time for any mesh but a fan of very many triangles.
+std::vector<std::uint32_t> findFirst(const TriangleMesh& mesh) {
     struct Entry {
         std::uint32_t middle;
         std::uint32_t upper;
@@ -51,7 +51,8 @@ std::vector<char> findCopies(const TriangleMesh& mesh) {
             entries[next[t[0]]++] = {t[1], t[2], static_cast<std::uint32_t>(i)};
         }
     }
-    std::vector<char> isCopy(mesh.triangles.size(), 0);
+    std::vector<std::uint32_t> firstOf(mesh.triangles.size());
+    std::iota(firstOf.begin(), firstOf.end(), 0u);
     for (std::size_t v = 0; v + 1 < rows.size(); ++v) {
         const auto first = entries.begin() + static_cast<std::ptrdiff_t>(rows[v]);
         const auto last = entries.begin() + static_cast<std::ptrdiff_t>(rows[v + 1]);
@@ -61,9 +62,9 @@ std::vector<char> findCopies(const TriangleMesh& mesh) {
         });
         for (auto e = first; e != last && e + 1 != last; ++e)
             if (e->middle == (e + 1)->middle && e->upper == (e + 1)->upper)
-                isCopy[(e + 1)->triangle] = 1;
+                firstOf[(e + 1)->triangle] = firstOf[e->triangle];
     }
-    return isCopy;
+    return firstOf;
 }
 
 /// Groups boundary edges by the vertices they share and measures the longest group.
@@ -208,9 +209,9 @@ MeshAnalysis analyzeMesh(const TriangleMesh& mesh, bool isContour) {
         },
         [&] { collapsed = measureTriangles(mesh, health); },
         [&] {
-            const auto isCopy = findCopies(mesh);
-            health.duplicateTriangles =
-                static_cast<std::size_t>(std::count(isCopy.begin(), isCopy.end(), char{1}));
+            const auto firstOf = findFirst(mesh);
+            for (std::uint32_t i = 0; i < firstOf.size(); ++i)
+                health.duplicateTriangles += firstOf[i] != i;
         },
         [&] { health.pieces = countPieces(mesh); });
     health.eulerNumber = static_cast<std::int64_t>(health.vertices) -
@@ -223,12 +224,23 @@ MeshHealth checkMesh(const TriangleMesh& mesh) {
     return analyzeMesh(mesh).health;
 }
 
-TriangleMesh withoutDuplicates(const TriangleMesh& mesh) {
-    const auto isCopy = findCopies(mesh);
+TriangleMesh withoutDuplicates(const TriangleMesh& mesh, bool withCommonWalls) {
+    const auto firstOf = findFirst(mesh);
+    // How many of the copies of a triangle face as the first does, less those that face the other
+    // way.
+    std::vector<int> surplus(withCommonWalls ? 0 : mesh.triangles.size());
+    for (std::size_t i = 0; i < surplus.size(); ++i) {
+        const auto& t = mesh.triangles[i];
+        const auto& first = mesh.triangles[firstOf[i]];
+        const auto at =
+            static_cast<std::size_t>(std::find(t.begin(), t.end(), first[0]) - t.begin());
+        surplus[firstOf[i]] += t[(at + 1) % 3] == first[1] ? 1 : -1;
+    }
     TriangleMesh clean;
     clean.vertices = mesh.vertices;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        if (isCopy[i] == 0 && !isCollapsed(mesh.triangles[i]))
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
+        if (firstOf[i] == i && !isCollapsed(mesh.triangles[i]) &&
+            (withCommonWalls || surplus[i] != 0))
             clean.triangles.push_back(mesh.triangles[i]);
     return clean;
 }

@@ -85,7 +85,10 @@ MeshHealth checkMesh(const TriangleMesh& mesh);
 /// edges, and without them a closed mesh would have a slit. An edge where only duplicates met is a
 /// boundary edge afterwards, and parity of rays and volumes can change: call `checkMesh` and
 /// `analyzeShells` first where these matter.
-TriangleMesh withoutDuplicates(const TriangleMesh& mesh);
+/// @param withCommonWalls  false: of as many triangles that face one way as the other none is kept,
+///                         so that solids with a wall in common are one; their volume does not
+///                         change.
+TriangleMesh withoutDuplicates(const TriangleMesh& mesh, bool withCommonWalls = true);
 
 /// All members by name, lengths in mm; `leak` is null for a closed mesh.
 nlohmann::json toJson(const MeshHealth& health);

@@ -53,7 +53,7 @@ struct MeshAnalysis {
     ShellAnalysis shells;
 };
 /// Both for the cost of `checkMesh` (mesh_check.h).
-/// @param isContour  of a level set of our own: whether its shells intersect is not looked for.
+/// @param isContour  of a level set or an image: whether its shells intersect is not looked for.
 MeshAnalysis analyzeMesh(const TriangleMesh& mesh, bool isContour = false);
 
 /// The shells of a mesh that lie in no other closed one.

@@ -32,6 +32,13 @@ bool isNearer(double count, double other, double target) {
     return ratio(count) < ratio(other);
 }
 
+/// Where not even the smallest of the spheres that are so few would fit.
+[[noreturn]] void refuseCount(double target, const InputError& nothingFits) {
+    throw InputError(
+        fmt::format("`targetCount` {:.0f}: {}, or a larger number, which makes them smaller",
+                    target, nothingFits.what()));
+}
+
 /// The scales tried so far, and the next one.
 class ScaleSearch {
 public:
@@ -77,19 +84,25 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
     double bestScale = 1, bestCount = 0;
     ScaleSearch search(target, Dim);
     const double front = std::max(1.0, target / counted.share);
-    double scale =
-        counted.fraction > 0
-            ? std::pow(counted.fraction * domain.volume() /
-                           (front * LocalBalls<Dim>(domain, asked.sizes, asked.local).mean()),
-                       1.0 / Dim)
-            : scaleForCount(domain, options, front, callbacks, existing);
+    const auto firstScale = [&] {
+        if (counted.fraction > 0)
+            return std::pow(counted.fraction * domain.volume() /
+                                (front * LocalBalls<Dim>(domain, asked.sizes, asked.local).mean()),
+                            1.0 / Dim);
+        try {
+            return scaleForCount(domain, options, front, callbacks, existing);
+        } catch (const InputError& nothingFits) {
+            refuseCount(target, nothingFits);
+        }
+    };
+    double scale = firstScale();
     for (int attempt = 0; attempt < kCountAttempts; ++attempt) {
         scaleSizes(options, asked, scale);
         PackResult<Dim> result;
         try {
             result = packSpheres(domain, options, callbacks, existing);
-        } catch (const InputError&) {  // nothing fits
-            if (attempt + 1 == kCountAttempts && !(bestCount > 0)) throw;
+        } catch (const InputError& nothingFits) {
+            if (attempt + 1 == kCountAttempts && !(bestCount > 0)) refuseCount(target, nothingFits);
         }
         const auto& spheres = result.pack.spheres;
         const bool interrupted = result.interrupted;

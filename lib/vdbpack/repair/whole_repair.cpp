@@ -228,6 +228,18 @@ double median(std::vector<double> values) {
     return *middle;
 }
 
+/// Where copies are the walls that solids have in common, without these walls.
+TriangleMesh withoutCopies(const TriangleMesh& mesh, const MeshHealth& before) {
+    constexpr double kSameVolume = 1e-6;
+    if (before.duplicateTriangles > 0 && before.hasParity() && before.enclosedVolume > 0) {
+        TriangleMesh joined = withoutDuplicates(mesh, false);
+        const double volume = analyzeShells(joined).enclosedVolume();
+        if (std::fabs(volume - before.enclosedVolume) <= kSameVolume * before.enclosedVolume)
+            return joined;
+    }
+    return withoutDuplicates(mesh);
+}
+
 }  // namespace
 
 double repairVoxelSize(const TriangleMesh& mesh) {
@@ -272,7 +284,7 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
     if (!(report.before.area > 0)) return result;
 
     const std::size_t given = mesh.triangles.size();
-    TriangleMesh turned = withoutDuplicates(mesh);
+    TriangleMesh turned = withoutCopies(mesh, report.before);
     report.duplicates = given - turned.triangles.size();
     report.turned = turnOutward(turned, options.nested);
     Windings winding(turned);
