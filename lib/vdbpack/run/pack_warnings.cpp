@@ -149,9 +149,9 @@ void warnOfCount(const Run<Dim>& run, double target, double count, double larges
             reason = fmt::format(", since none of more than {:.4g} mm fits into the domain", room);
     }
     run.callbacks.warn(
-        fmt::format("`targetCount` {:.0f}: the nearest number of {} found is {:.0f}{}; give "
-                    "another number, or the radii themselves",
-                    target, Measure<Dim>::kSpheres, count, reason));
+        fmt::format("`targetCount` {:.0f}: the nearest count found is {:.0f}{}; give another "
+                    "number, or the radii themselves",
+                    target, count, reason));
 }
 
 template <int Dim>
