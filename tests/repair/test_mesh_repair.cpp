@@ -171,6 +171,9 @@ TEST_CASE("solids that touch along an edge part there") {
     mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
     for (const auto& t : other.triangles)
         mesh.triangles.push_back({place(t[0]), place(t[1]), place(t[2])});
+    if (GENERATE(false, true))
+        for (std::size_t i = 0; i < other.triangles.size(); ++i)
+            std::swap(mesh.triangles[i][0], mesh.triangles[i][1]);
     REQUIRE(checkMesh(mesh).nonManifoldEdges == 1);
     const auto repaired = repairMesh(mesh);
     requireSound(repaired.mesh);
@@ -181,14 +184,18 @@ TEST_CASE("solids that touch along an edge part there") {
 
 TEST_CASE("solids with a wall in common keep their volume") {
     const auto core = ballMesh(5, 3), shell = merged(ballMesh(10, 3), flipped(core));
+    const auto box = boxMesh({{0, 0, 0}}, {{2, 2, 2}}), beside = boxMesh({{2, 0, 0}}, {{4, 2, 2}});
     const bool nested = GENERATE(true, false);
-    const auto mesh = welded(
-        nested ? merged(shell, core)
-               : merged(boxMesh({{0, 0, 0}}, {{2, 2, 2}}), boxMesh({{2, 0, 0}}, {{4, 2, 2}})));
+    const auto mesh =
+        welded(nested ? GENERATE_COPY(merged(shell, core), merged(core, shell))
+                      : GENERATE_COPY(merged(box, beside), merged(box, flipped(beside)),
+                                      merged(flipped(box), beside)));
+    const double volume = nested ? volumeOf(ballMesh(10, 3)) : 16;
     REQUIRE(checkMesh(mesh).duplicateTriangles > 0);
+    CHECK(checkMesh(mesh).enclosedVolume == Approx(volume));
     const auto repaired = repairMesh(mesh);
     requireSound(repaired.mesh);
-    CHECK(volumeOf(repaired.mesh) == Approx(nested ? volumeOf(ballMesh(10, 3)) : 16));
+    CHECK(volumeOf(repaired.mesh) == Approx(volume));
     CHECK(checkMesh(repaired.mesh).shells == 1);
 }
 

@@ -1,6 +1,7 @@
 #include "vdbpack/mesh/mesh_shells.h"
 
 #include "vdbpack/core/disjoint_sets.h"
+#include "vdbpack/mesh/edge_sheets.h"
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/vertical_line.h"
 
@@ -20,6 +21,8 @@ namespace {
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 /// Triangles of a piece that vote on what encloses it: one or two of them may touch another piece.
 constexpr std::size_t kVotes = 5;
+/// A piece is enclosed if more than this share of its probes is: others overlap.
+constexpr double kEnclosed = 0.75;
 
 /// A point for which the enclosing pieces are determined.
 struct Probe {
@@ -181,21 +184,30 @@ void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
     if (shells.size() < 2 || !anyClosed) return;
     const std::vector<Probe> probes = probesOf(mesh, analysis);
     const auto counts = countsOf(probes, shells.size());
-    for (const PairVotes& pair : votesOf(mesh, analysis, probes))
-        // A smaller piece never encloses a larger one: of two that cut each other both might.
-        if (2 * pair.inside > counts[pair.inner] - pair.unclear && pair.outer < pair.inner)
+    for (const PairVotes& pair : votesOf(mesh, analysis, probes)) {
+        const std::size_t clear = counts[pair.inner] - pair.unclear;
+        // A smaller piece never encloses a larger one: of two that cut each other both might. Of
+        // two that coincide, the first encloses the second.
+        if (pair.outer < pair.inner && (clear == 0 || static_cast<double>(pair.inside) >
+                                                          kEnclosed * static_cast<double>(clear)))
             ++shells[pair.inner].depth;
+    }
 }
 
-/// Joins triangles at shared edges; a piece is named by its first triangle.
+/// Joins triangles at edges; a piece is named by its first triangle.
 DisjointSets joinPieces(const TriangleMesh& mesh, const EdgeTable& edges) {
     const std::size_t n = mesh.triangles.size();
     DisjointSets pieces(n);
-    edges.forEach(
-        [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
-            for (const auto* use = first + 1; use < last; ++use)
-                pieces.join(first->triangle(), use->triangle());
-        });
+    const auto join = [&](const EdgeTable::Use& a, const EdgeTable::Use& b) {
+        pieces.join(a.triangle(), b.triangle());
+    };
+    edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
+                      const EdgeTable::Use* last) {
+        if (last - first > 2 && edges.surplus(first, last) == 0)
+            pairSheets(mesh, edges, lower, upper, first, last, join);
+        else
+            for (const auto* use = first + 1; use < last; ++use) join(*first, *use);
+    });
 
     // A collapsed triangle has no edges of its own and joins a piece at one of its corners.
     std::vector<std::uint32_t> atVertex;

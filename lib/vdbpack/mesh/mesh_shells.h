@@ -33,11 +33,13 @@ struct ShellAnalysis {
 /// triangles are allowed: where every edge has an even number of triangles, the parity of rays is
 /// right.
 ///
-/// All triangles at an edge belong to one shell, also where there are more than two; shells that
-/// share only a vertex are separate. A triangle that uses a vertex twice belongs to a shell at one
-/// of its corners and does not affect it. Only closed shells enclose others. Where two shells
-/// intersect, the smaller counts as enclosed if most of up to five of its triangles lie inside the
-/// larger.
+/// Where more than two triangles meet at an edge, those with the inside between them belong to one
+/// shell if as many run along it one way as the other, and all of them otherwise: solids that touch
+/// are separate. So are shells that share only a vertex. A triangle that uses a vertex twice
+/// belongs to a shell at one of its corners and does not affect it. Only closed shells enclose
+/// others. Where two shells intersect, the smaller counts as enclosed if more than three quarters
+/// of up to five of its triangles lie inside the larger. Of two that coincide, the first encloses
+/// the second.
 ///
 /// Cost: linear in the triangles, except for rays (along z) from five triangles of each shell.
 /// Volumes are computed relative to a point of the shell, so they lose no digits far from the

@@ -228,14 +228,32 @@ double median(std::vector<double> values) {
     return *middle;
 }
 
+/// Turns the triangles of closed components that lie in no other and face inward.
+/// @return the number of these triangles.
+std::size_t turnOutermost(TriangleMesh& mesh) {
+    const ShellAnalysis shells = analyzeShells(mesh);
+    std::size_t turned = 0;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const Shell& shell = shells.shells[shells.shellOfTriangle[i]];
+        if (shell.depth != 0 || shell.boundaryEdges != 0 || !(shell.signedVolume < 0)) continue;
+        std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+        ++turned;
+    }
+    return turned;
+}
+
 /// Where copies are the walls that solids have in common, without these walls.
-TriangleMesh withoutCopies(const TriangleMesh& mesh, const MeshHealth& before) {
+TriangleMesh withoutCopies(const TriangleMesh& mesh, const MeshHealth& before,
+                           std::size_t& turned) {
     constexpr double kSameVolume = 1e-6;
     if (before.duplicateTriangles > 0 && before.hasParity() && before.enclosedVolume > 0) {
-        TriangleMesh joined = withoutDuplicates(mesh, false);
+        TriangleMesh outward = mesh;
+        turned = turnOutermost(outward);
+        TriangleMesh joined = withoutDuplicates(outward, false);
         const double volume = analyzeShells(joined).enclosedVolume();
         if (std::fabs(volume - before.enclosedVolume) <= kSameVolume * before.enclosedVolume)
             return joined;
+        turned = 0;
     }
     return withoutDuplicates(mesh);
 }
@@ -284,9 +302,9 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
     if (!(report.before.area > 0)) return result;
 
     const std::size_t given = mesh.triangles.size();
-    TriangleMesh turned = withoutCopies(mesh, report.before);
+    TriangleMesh turned = withoutCopies(mesh, report.before, report.turned);
     report.duplicates = given - turned.triangles.size();
-    report.turned = turnOutward(turned, options.nested);
+    report.turned += turnOutward(turned, options.nested);
     Windings winding(turned);
     callbacks.stopIfCancelled();
     // Loose triangles are refused before they are remeshed.
