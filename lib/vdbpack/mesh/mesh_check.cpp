@@ -19,6 +19,8 @@ namespace {
 
 /// A triangle whose height is below this share of its longest side has no area, except by rounding.
 constexpr double kFlat = 1e-9;
+/// A shell with a smaller share of the largest one's volume faces neither way.
+constexpr double kNoVolume = 1e-12;
 
 std::string text(const Vec<3>& p) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
@@ -160,12 +162,15 @@ void countEdges(const TriangleMesh& mesh, const EdgeTable& edges, MeshHealth& he
 void countShells(const ShellAnalysis& analysis, MeshHealth& health) {
     health.shells = analysis.shells.size();
     health.enclosedVolume = analysis.enclosedVolume();
+    // Shells whose triangles cancel have a volume by rounding alone.
+    const double least =
+        analysis.shells.empty() ? 0 : kNoVolume * std::fabs(analysis.shells.front().signedVolume);
     for (const auto& shell : analysis.shells) {
         health.signedVolume += shell.signedVolume;
         const auto depth = static_cast<std::size_t>(shell.depth);
         if (health.shellsAtDepth.size() <= depth) health.shellsAtDepth.resize(depth + 1);
         ++health.shellsAtDepth[depth];
-        if (shell.boundaryEdges == 0 && shell.signedVolume != 0 &&
+        if (shell.boundaryEdges == 0 && std::fabs(shell.signedVolume) > least &&
             (shell.signedVolume > 0) != (shell.depth % 2 == 0))
             ++health.invertedShells;
     }

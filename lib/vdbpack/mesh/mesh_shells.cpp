@@ -186,16 +186,17 @@ void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
     const auto counts = countsOf(probes, shells.size());
     for (const PairVotes& pair : votesOf(mesh, analysis, probes)) {
         const std::size_t clear = counts[pair.inner] - pair.unclear;
-        // A smaller piece never encloses a larger one: of two that cut each other both might. Of
-        // two that coincide, the first encloses the second.
-        if (pair.outer < pair.inner && (clear == 0 || static_cast<double>(pair.inside) >
-                                                          kEnclosed * static_cast<double>(clear)))
+        // A smaller piece never encloses a larger one: of two that cut each other both might.
+        if (static_cast<double>(pair.inside) > kEnclosed * static_cast<double>(clear) &&
+            pair.outer < pair.inner)
             ++shells[pair.inner].depth;
     }
 }
 
 /// Joins triangles at edges; a piece is named by its first triangle.
-DisjointSets joinPieces(const TriangleMesh& mesh, const EdgeTable& edges) {
+/// @param isWhole  whether all triangles at an edge with this one are joined; empty: none are.
+DisjointSets joinPieces(const TriangleMesh& mesh, const EdgeTable& edges,
+                        const std::vector<char>& isWhole) {
     const std::size_t n = mesh.triangles.size();
     DisjointSets pieces(n);
     const auto join = [&](const EdgeTable::Use& a, const EdgeTable::Use& b) {
@@ -203,10 +204,21 @@ DisjointSets joinPieces(const TriangleMesh& mesh, const EdgeTable& edges) {
     };
     edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
                       const EdgeTable::Use* last) {
-        if (last - first > 2 && edges.surplus(first, last) == 0)
-            pairSheets(mesh, edges, lower, upper, first, last, join);
-        else
+        const bool whole = !isWhole.empty() && std::any_of(first, last, [&](const auto& use) {
+            return isWhole[use.triangle()] != 0;
+        });
+        if (last - first < 3 || whole || edges.surplus(first, last) != 0) {
             for (const auto* use = first + 1; use < last; ++use) join(*first, *use);
+            return;
+        }
+        auto pairs = pairSheets(mesh, edges, lower, upper, first, last, CommonWalls::cancel);
+        std::stable_partition(pairs.begin(), pairs.end(),
+                              [](const SheetPair& pair) { return !pair.isWall; });
+        for (const SheetPair& pair : pairs) {
+            join(pair.begin, pair.end);
+            // A wall in common goes with the solids.
+            if (pair.isWall) join(pairs.front().begin, pair.begin);
+        }
     });
 
     // A collapsed triangle has no edges of its own and joins a piece at one of its corners.
@@ -333,6 +345,17 @@ void sortByVolume(ShellAnalysis& result) {
     for (auto& s : result.shellOfTriangle) s = rank[s];
 }
 
+/// The shells, joined as `joinPieces` does.
+ShellAnalysis splitShells(const TriangleMesh& mesh, const EdgeTable& edges,
+                          const std::vector<char>& isWhole) {
+    ShellAnalysis result;
+    const auto origins = nameShells(mesh, joinPieces(mesh, edges, isWhole), result);
+    measureVolumes(mesh, edges, origins, result);
+    sortByVolume(result);
+    findNesting(mesh, result);
+    return result;
+}
+
 }  // namespace
 
 double ShellAnalysis::enclosedVolume() const {
@@ -343,12 +366,17 @@ double ShellAnalysis::enclosedVolume() const {
 }
 
 ShellAnalysis analyzeShells(const TriangleMesh& mesh, const EdgeTable& edges) {
-    ShellAnalysis result;
-    const auto origins = nameShells(mesh, joinPieces(mesh, edges), result);
-    measureVolumes(mesh, edges, origins, result);
-    sortByVolume(result);
-    findNesting(mesh, result);
-    return result;
+    ShellAnalysis result = splitShells(mesh, edges, {});
+    // A shell that faces outward in another and shares an edge with it may overlap it as well as
+    // bound a cavity: no volume is known of the two.
+    std::vector<char> isWhole(mesh.triangles.size(), 0);
+    bool any = false;
+    for (std::size_t i = 0; i < isWhole.size(); ++i) {
+        const Shell& shell = result.shells[result.shellOfTriangle[i]];
+        isWhole[i] = shell.depth > 0 && (shell.signedVolume > 0) != (shell.depth % 2 == 0);
+        any = any || isWhole[i] != 0;
+    }
+    return any ? splitShells(mesh, edges, isWhole) : result;
 }
 
 ShellAnalysis analyzeShells(const TriangleMesh& mesh) {

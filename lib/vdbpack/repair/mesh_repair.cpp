@@ -17,7 +17,17 @@ namespace vdbpack {
 
 namespace {
 
-[[noreturn]] void nothingInside(const std::string& name, const MeshHealth& health) {
+/// @param oriented  the mesh, its components outermost facing outward.
+[[noreturn]] void nothingInside(const std::string& name, const MeshHealth& health,
+                                const TriangleMesh& oriented) {
+    constexpr double kCopied = 0.99;
+    const auto shells = analyzeShells(oriented).shells;
+    if (shells.size() > 1 && std::fabs(shells[0].signedVolume) > 0 &&
+        std::fabs(shells[1].signedVolume) > kCopied * std::fabs(shells[0].signedVolume))
+        throw InputError(fmt::format(
+            "{}: encloses no volume: two of its components, of {:.6g} and {:.6g} mm³, lie in one "
+            "place, so that one bounds a cavity in the other; give one of them",
+            name, std::fabs(shells[0].signedVolume), std::fabs(shells[1].signedVolume)));
     throw InputError(
         fmt::format("{}: encloses no volume: the winding number of its {} triangles is below 1/2 "
                     "everywhere{}{}; give a surface around a volume",
@@ -38,7 +48,7 @@ RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options,
     WholeRepair done = options.components == RepairComponents::separate
                            ? repairComponents(std::move(mesh), how, callbacks)
                            : repairWhole(std::move(mesh), how, callbacks);
-    if (done.mesh.triangles.empty()) nothingInside(options.name, done.report.before);
+    if (done.mesh.triangles.empty()) nothingInside(options.name, done.report.before, done.oriented);
     done.report.components = options.components;
     callbacks.stopIfCancelled();
     // A new vertex lies in a voxel that the surface crosses.
@@ -60,7 +70,7 @@ RepairedMesh subtractMesh(const TriangleMesh& outer, const TriangleMesh& inner,
     result.report.before = checkMesh(both);
     const double voxelSize = options.voxelSize > 0 ? options.voxelSize : repairVoxelSize(both);
     result.mesh = remesh(both, WindingNumber(both), voxelSize, result.report, callbacks);
-    if (result.mesh.triangles.empty()) nothingInside(options.name, result.report.before);
+    if (result.mesh.triangles.empty()) nothingInside(options.name, result.report.before, both);
     result.report.changes = compareSurfaces(both, result.mesh, 2 * voxelSize);
     result.report.volume = analyzeShells(result.mesh).enclosedVolume();
     return result;

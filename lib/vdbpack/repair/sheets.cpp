@@ -31,7 +31,9 @@ Corners connectCorners(const TriangleMesh& mesh) {
         if (last - first == 2) joinAlong(first[0], first[1]);
         if (last - first <= 2) return;
         ++corners.parted;
-        pairSheets(mesh, edges, lower, upper, first, last, joinAlong);
+        for (const SheetPair& pair :
+             pairSheets(mesh, edges, lower, upper, first, last, CommonWalls::apart))
+            joinAlong(pair.begin, pair.end);
     });
     return corners;
 }
