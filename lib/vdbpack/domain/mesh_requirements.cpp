@@ -162,9 +162,11 @@ void refuseVoxels(const std::string& name, const MeshHealth& health, double fiel
     throw InputError(fmt::format(
         "{}: voxels of {:.4g} mm are too coarse for the mesh, whose thinnest walls are about "
         "{:.2g} mm thick{}: their field encloses {:.6g} mm³, the mesh {:.6g} mm³. Set `voxelSize` "
-        "to {:.2g} mm or less",
-        name, voxelSize, clearance.thickness, gaps, fieldVolume, health.enclosedVolume,
-        fineEnough));
+        "to {:.2g} mm or less{}",
+        name, voxelSize, clearance.thickness, gaps, fieldVolume, health.enclosedVolume, fineEnough,
+        health.duplicateTriangles > 0
+            ? ", or set `repair`, which removes walls that solids have in common"
+            : ""));
 }
 
 MeshNesting nestingOf(const MeshAnalysis& analysis) {

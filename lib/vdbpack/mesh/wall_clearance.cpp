@@ -4,6 +4,7 @@
 #include "vdbpack/mesh/triangle_crossing.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -27,7 +28,7 @@ double quantile(std::vector<Sample> samples) {
     for (const Sample& s : samples) total += s.second;
     for (const Sample& s : samples)
         if ((sum += s.second) >= kShare * total) return s.first;
-    return 0;
+    return std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -55,12 +56,14 @@ WallClearance wallClearance(const TriangleMesh& mesh, const MeshAnalysis& analys
         };
         if (!(length(normal) > 0)) continue;
         walls.emplace_back(clear(-1.0 * out, true), length(normal));
-        gaps.emplace_back(clear(out, false), length(normal));
+        // A wall in common has another solid on its other side.
+        const double gap = clear(out, false);
+        if (gap > 0) gaps.emplace_back(gap, length(normal));
     }
     WallClearance result;
     result.thickness = quantile(std::move(walls));
     result.gap = quantile(std::move(gaps));
-    result.isSolid = result.thickness > 0;
+    result.isSolid = result.thickness > 0 && std::isfinite(result.thickness);
     return result;
 }
 
