@@ -121,6 +121,21 @@ TEST_CASE("a dry run refuses what a run does, and says what densifying cannot re
                Contains("`shell` 2 mm") && Contains("deepest"));
 }
 
+TEST_CASE("a dry run of a thin plate expects no radii that do not fit") {
+    PackRecipe recipe = recipeFor("box:40,40,1", "uniform:0.36,0.72");
+    CHECK(dryRunPack(recipe).count ==
+          Approx(static_cast<double>(runPack(recipe).report.count)).epsilon(0.1));
+    recipe.targetCount = 500;
+    std::vector<std::string> warnings;
+    const DryRun expected = dryRunPack(recipe, keepingWarnings({}, warnings));
+    CHECK(expected.count == Approx(static_cast<double>(runPack(recipe).report.count)).epsilon(0.1));
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings.front(), Contains("0.5 mm fits"));
+    recipe.targetCount = 50;
+    CHECK_THROWS_AS(dryRunPack(recipe), InputError);
+    CHECK_THROWS_AS(runPack(recipe), InputError);
+}
+
 TEST_CASE("a dry run of parts predicts them together") {
     PackRecipe recipe = recipeFor("", "uniform:0.5,1");
     recipe.targetCount = 3000;

@@ -21,17 +21,17 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 96030},
+    {"lib", 96287},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
-    {"lib/vdbpack/mesh", 4008},
+    {"lib/vdbpack/mesh", 4173},
     {"lib/vdbpack/verify", 2453},
     {"lib/vdbpack/image", 5780},
     {"lib/vdbpack/field", 6109},
-    {"lib/vdbpack/repair", 2872},
-    {"lib/vdbpack/domain", 7111},
-    {"lib/vdbpack/pack", 8065},
+    {"lib/vdbpack/repair", 2843},
+    {"lib/vdbpack/domain", 7113},
+    {"lib/vdbpack/pack", 8149},
     {"lib/vdbpack/densify", 6008},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5667},
@@ -42,9 +42,9 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3618},
-    {"lib/vdbpack/run", 7754},
+    {"lib/vdbpack/run", 7789},
     {"tools", 3942},
-    {"tests", 36011},
+    {"tests", 36076},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -188,6 +188,22 @@ TEST_CASE("thin plates keep their density") {
                                                                           : 0.585));
 }
 
+TEST_CASE("radii that fit nowhere leave a thin plate as dense as one without them") {
+    const auto domain = boxDomain<3>({{{0, 0, 0}}, {{30, 30, 1}}});
+    const auto sizes =
+        SizeDistribution::parse(GENERATE("uniform:0.36,0.72", "lognormal:0.5,0.3,0.2,1"), 3);
+    const auto packed = packSpheres(*domain, PackOptions(sizes));
+    const auto fitting = packSpheres(*domain, PackOptions(sizes.upTo(0.5)));
+    CHECK(solidFraction(packed.pack.spheres, *domain) ==
+          Approx(solidFraction(fitting.pack.spheres, *domain)).epsilon(0.02));
+    CHECK(solidFraction(packed.pack.spheres, *domain) > 0.45);
+    // The nearest count keeps the radii as they were requested.
+    PackOptions options(sizes);
+    const auto counted = packToCount(*domain, options, 300.0);
+    CHECK(counted.pack.spheres.size() > 500);
+    CHECK(options.sizes.cdf(0.5) == Approx(0.9).epsilon(0.01));
+}
+
 TEST_CASE("more effort is denser") {
     const auto domain = boxDomain<3>(cube<3>(120));
     double before = 0.59;

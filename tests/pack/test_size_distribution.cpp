@@ -21,6 +21,30 @@ TEST_CASE("quantile and cdf of a continuous distribution are inverse") {
     REQUIRE(sizes.cdf(sizes.max()) == 1);
 }
 
+TEST_CASE("what is left up to a radius keeps its shares") {
+    const auto spec =
+        GENERATE(as<std::string>{}, "uniform:1,2", "normal:1.5,0.3,1,2", "lognormal:1,0.5,0.3,3");
+    const double factor = GENERATE(1.0, 2.5), most = 1.25 * factor;
+    const auto sizes = SizeDistribution::parse(spec, 3).scaled(factor);
+    const auto part = sizes.upTo(most);
+    CHECK(part.min() == Approx(sizes.min()));
+    CHECK(part.max() == Approx(most));
+    double sum = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const double r = part.quantile((i + 0.5) / 1000);
+        sum += r;
+        REQUIRE(part.cdf(r) == Approx(sizes.cdf(r) / sizes.cdf(most)).margin(2e-4));
+    }
+    CHECK(part.mean() == Approx(sum / 1000).epsilon(1e-4));
+    CHECK(sizes.upTo(sizes.max()).mean() == sizes.mean());
+    CHECK(sizes.upTo(0.5 * sizes.min()).max() == sizes.max());
+    const auto table = SizeDistribution::table({1, 2, 3}, {1, 3, 4}).upTo(2.5);
+    CHECK(table.max() == 2);
+    CHECK(table.cdf(1) == Approx(0.25).margin(1e-3));
+    const auto sieved = SizeDistribution::sieve({2, 4, 8}, {0, 50, 100});
+    CHECK(sieved.upTo(3).cdf(2) == Approx(sieved.cdf(2) / sieved.cdf(3)).margin(1e-3));
+}
+
 TEST_CASE("moments match the integrals") {
     const auto uniform = SizeDistribution::parse("uniform:1,2", 3);
     CHECK(uniform.mean() == Approx(1.5));

@@ -1,10 +1,12 @@
-// How dense a front packs, before it has.
+// How dense a front packs, and how large its radii may be, before it has.
 #pragma once
 
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/pack/size_distribution.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace vdbpack {
 
@@ -24,6 +26,14 @@ double frontFraction(double mean, double ball, double wall, double gap) {
                                    : 0.811 + 0.094 * spread - 0.096 * wall * (mean + half);
     return std::clamp(filled, 0.15, 0.95) * std::pow(1 + half / mean, -Dim) *
            std::max(0.0, 1 - half * wall);
+}
+
+/// The scale of radii at which one in ten fits nowhere in a domain. With larger ones the radii
+/// would no longer be those requested, and hardly fewer spheres fill it.
+/// @param room  the largest radius that fits, mm.
+inline double largestScale(const SizeDistribution& sizes, double room) {
+    constexpr double kFitting = 0.9;
+    return room > 0 ? room / sizes.quantile(kFitting) : std::numeric_limits<double>::max();
 }
 
 }  // namespace vdbpack

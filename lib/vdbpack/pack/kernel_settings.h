@@ -39,6 +39,11 @@ template <int Dim>
 double blockSide(const Domain<Dim>& domain, const PackOptions& options,
                  const FrontSettings<Dim>& settings);
 
+/// Whether a ball of this radius (mm) lies about one of the points at which `largestBall` samples a
+/// domain, by its field.
+template <int Dim>
+bool holdsBall(const Domain<Dim>& domain, double radius);
+
 /// Pending radii that a chain of blocks holds.
 /// @param ahead     spheres that are yet to be placed from this pool, about.
 /// @param expected  spheres of the pack, about.

@@ -1,3 +1,4 @@
+#include "vdbpack/pack/kernel_settings.h"
 #include "vdbpack/pack/packer.h"
 
 #include <algorithm>
@@ -5,6 +6,43 @@
 #include <limits>
 
 namespace vdbpack {
+
+namespace {
+
+/// Steps of the grid along the longest side of a domain.
+template <int Dim>
+constexpr int kGridSteps = Dim == 3 ? 48 : 256;
+
+/// Calls `f` for the points of a grid in the bounds of a domain while it returns true.
+template <int Dim, typename F>
+void forGridPoints(const Box<Dim>& bounds, F&& f) {
+    const Vec<Dim> size = bounds.size();
+    const double longest = *std::max_element(size.c.begin(), size.c.end());
+    int n[3] = {1, 1, 1};
+    for (int d = 0; d < Dim && longest > 0; ++d)
+        n[d] = std::max(1, static_cast<int>(std::ceil(kGridSteps<Dim> * size[d] / longest)));
+    for (int k = 0; k < n[2]; ++k)
+        for (int j = 0; j < n[1]; ++j)
+            for (int i = 0; i < n[0]; ++i) {
+                const int at[3] = {i, j, k};
+                Vec<Dim> x;
+                for (int d = 0; d < Dim; ++d) x[d] = bounds.lo[d] + (at[d] + 0.5) / n[d] * size[d];
+                if (!f(x)) return;
+            }
+}
+
+}  // namespace
+
+template <int Dim>
+bool holdsBall(const Domain<Dim>& domain, double radius) {
+    const auto sampler = domain.sampler();
+    bool holds = false;
+    forGridPoints(domain.bounds(), [&](const Vec<Dim>& x) {
+        holds = -sampler->signedDistance(x) >= radius;
+        return !holds;
+    });
+    return holds;
+}
 
 template <int Dim>
 Sphere<Dim> largestBall(const Domain<Dim>& domain) {
@@ -20,25 +58,17 @@ Sphere<Dim> largestBall(const Domain<Dim>& domain) {
         WallPoint<Dim> wall;
         return sampler->nearestWall(x, longest, wall) ? wall.distance : field;
     };
-    constexpr int kSteps = Dim == 3 ? 48 : 256;
-    int n[3] = {1, 1, 1};
-    for (int d = 0; d < Dim && longest > 0; ++d)
-        n[d] = std::max(1, static_cast<int>(std::ceil(kSteps * size[d] / longest)));
-    for (int k = 0; k < n[2]; ++k)
-        for (int j = 0; j < n[1]; ++j)
-            for (int i = 0; i < n[0]; ++i) {
-                const int at[3] = {i, j, k};
-                Vec<Dim> x;
-                for (int d = 0; d < Dim; ++d) x[d] = bounds.lo[d] + (at[d] + 0.5) / n[d] * size[d];
-                if (-sampler->signedDistance(x) <= std::min(best.radius, domain.fieldDepth() * 0.9))
-                    continue;
-                const double depth = depthAt(x);
-                if (depth > best.radius) best = {x, depth};
-            }
+    forGridPoints(bounds, [&](const Vec<Dim>& x) {
+        if (-sampler->signedDistance(x) <= std::min(best.radius, domain.fieldDepth() * 0.9))
+            return true;
+        const double depth = depthAt(x);
+        if (depth > best.radius) best = {x, depth};
+        return true;
+    });
     // Uphill by steps away from the nearest wall (subgradients of the depth), which zigzag along
     // a ridge between walls to where it ends; steps halve, each length starting from the best.
     constexpr int kStepsOfALength = 32;
-    for (double step = longest / kSteps; best.radius > 0 && step > 1e-8 * best.radius;
+    for (double step = longest / kGridSteps<Dim>; best.radius > 0 && step > 1e-8 * best.radius;
          step *= 0.5) {
         Vec<Dim> x = best.center;
         for (int k = 0; k < kStepsOfALength; ++k) {
@@ -53,6 +83,8 @@ Sphere<Dim> largestBall(const Domain<Dim>& domain) {
     return best;
 }
 
+template bool holdsBall(const Domain<2>&, double);
+template bool holdsBall(const Domain<3>&, double);
 template Sphere<2> largestBall(const Domain<2>&);
 template Sphere<3> largestBall(const Domain<3>&);
 

@@ -1,5 +1,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/ranks.h"
+#include "vdbpack/pack/front_fraction.h"
 #include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/packer.h"
 
@@ -95,7 +96,10 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
             refuseCount(target, nothingFits);
         }
     };
-    double scale = firstScale();
+    const double largest = asked.local.any() || domain.cell().any()
+                               ? kFar
+                               : largestScale(asked.sizes, largestBall(domain).radius - asked.gap);
+    double scale = std::min(firstScale(), largest);
     for (int attempt = 0; attempt < kCountAttempts; ++attempt) {
         scaleSizes(options, asked, scale);
         PackResult<Dim> result;
@@ -117,7 +121,9 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         }
         best.interrupted = interrupted;
         if (interrupted || options.maxCount > 0 || isNear(bestCount, target)) break;
-        scale = search.next(scale, count);
+        const double next = std::min(search.next(scale, count), largest);
+        if (next == scale) break;
+        scale = next;
     }
     scaleSizes(options, asked, bestScale);
     if (counted.warns && !best.interrupted && options.maxCount == 0 && !isNear(bestCount, target))

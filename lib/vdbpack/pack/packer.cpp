@@ -102,6 +102,17 @@ void requireDeepField(const Domain<Dim>& domain, const PackOptions& options, boo
             domain.fieldDepth(), Measure<Dim>::kSpheres, largest));
 }
 
+/// Without the radii that fit nowhere in a thin domain: pending for ever, they would leave no
+/// others to choose from.
+/// @param domain  its wall moved inwards by the shell.
+template <int Dim>
+PackOptions withFittingSizes(const Domain<Dim>& domain, PackOptions options) {
+    const double shell = shellOf(options);
+    if (!options.local.any() && !holdsBall(domain, largestRadius(options) + shell))
+        options.sizes = options.sizes.upTo(largestBall(domain).radius - shell);
+    return options;
+}
+
 /// A sphere of the smallest radius in the middle of the largest ball of a domain that seems to hold
 /// none: a ball hardly larger than that is easily missed by a search in cells.
 /// @param fits  whether the bounds of the domain could hold it.
@@ -161,7 +172,8 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
     result.quantum = quantumFor(options);
     // Blocks for radii that no part of a thin domain can hold would be many, and all empty.
     const bool fits = fitsBounds(domain, options);
-    if (fits) result = packBlocks(domain, outer, options, callbacks, existing);
+    if (fits)
+        result = packBlocks(domain, outer, withFittingSizes(domain, options), callbacks, existing);
     const std::uint64_t count = sumOver(options.ranks, std::uint64_t{result.pack.spheres.size()});
     if (count == 0 && !result.interrupted) requireDeepField(domain, options, fits);
     if (count == 0 && !result.interrupted && existing.empty()) {

@@ -316,6 +316,22 @@ const std::string& SizeDistribution::spec() const {
     return spec_;
 }
 
+SizeDistribution SizeDistribution::upTo(double most) const {
+    constexpr int kRadii = 4096;
+    constexpr double kLeastShare = 1e-6;
+    const double share = cdf(most);
+    if (!(most < max()) || share < kLeastShare) return *this;
+    if (shape_->kind == SizeShape::Kind::discrete || shape_->kind == SizeShape::Kind::massLinear) {
+        std::vector<double> radii(kRadii);
+        for (int i = 0; i < kRadii; ++i) radii[i] = quantile(share * (i + 0.5) / kRadii);
+        return table(radii, std::vector<double>(kRadii, 1.0));
+    }
+    SizeShape part = *shape_;
+    part.hi = most / factor_;
+    SizeDistribution result(std::move(part), base_);
+    return result.scaled(factor_);
+}
+
 SizeDistribution SizeDistribution::scaled(double factor) const {
     SizeDistribution result = *this;
     result.factor_ = factor_ * factor;

@@ -22,13 +22,24 @@ namespace vdbpack {
 namespace {
 
 /// A run that memory does not allow is not estimated more closely.
-PackPlan planWithin(const PackRecipe& recipe, const DomainSource& source) {
+PackPlan planWithin(const PackRecipe& recipe, const DomainSource& source,
+                    const Callbacks& callbacks) {
     PackPlan plan = planPack(recipe, source);
     if (estimate(plan.extent, recipe).memory() <= memoryLimit(recipe.memoryLimit))
         plan = planPack(recipe, source, true);
+    const double target = plan.requested.targetCount;
     if (!(plan.count >= 0.5))
-        throw InputError(recipe.domain.source +
-                         ": no sphere of these radii is expected to fit; choose smaller radii");
+        throw InputError(
+            fmt::format("{}: no sphere {} is expected to fit; {}", recipe.domain.source,
+                        target > 0 ? fmt::format("of {:.0f}", target) : "of these radii",
+                        target > 0 ? "give a larger number, which makes them smaller"
+                                   : "choose smaller radii"));
+    constexpr double kClear = 1.05;
+    if (target > 0 && plan.count - plan.existing > kClear * target)
+        callbacks.warn(fmt::format(
+            "`targetCount` {:.0f}: about {:.0f} are expected, since none of more than {:.4g} mm "
+            "fits into the domain; give another number, or the radii themselves",
+            target, plan.count - plan.existing, plan.room));
     return plan;
 }
 
@@ -77,7 +88,7 @@ PackPlan planParts(const PackRecipe& recipe, Parts& parts, std::string& sizes,
                    const Callbacks& callbacks) {
     if (parts.size() == 1) {
         warnOfUnused(parts[0].recipe.domain, *parts[0].source, callbacks);
-        PackPlan one = planWithin(parts[0].recipe, *parts[0].source);
+        PackPlan one = planWithin(parts[0].recipe, *parts[0].source, callbacks);
         sizes = sizesOf(one);
         return one;
     }
@@ -88,7 +99,7 @@ PackPlan planParts(const PackRecipe& recipe, Parts& parts, std::string& sizes,
         radii.prepare(parts[k].recipe, k);
         const PackPlan one = [&] {
             try {
-                return planWithin(parts[k].recipe, *parts[k].source);
+                return planWithin(parts[k].recipe, *parts[k].source, callbacks);
             } catch (const InputError& error) {
                 throw withPart(parts[k], error);
             }

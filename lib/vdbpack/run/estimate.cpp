@@ -6,6 +6,7 @@
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/measure/morphometry/solid_image.h"
 #include "vdbpack/pack/front_fraction.h"
+#include "vdbpack/pack/packer.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/shell_field.h"
@@ -218,8 +219,13 @@ double leaveOut(const std::vector<Sphere<3>>& existing, const DomainSource& sour
 void expectSpheres(PackPlan& plan, const PackRecipe& recipe, const DomainSource& source,
                    double ball, const std::vector<Sphere<3>>& existing) {
     Extent& e = plan.extent;
-    const SizeDistribution& sizes = plan.requested.sizes;
+    SizeDistribution sizes = plan.requested.sizes;
     const double target = plan.requested.targetCount;
+    if (!(target > 0) && plan.room < sizes.max()) {
+        if (plan.room < sizes.min()) return;
+        sizes = sizes.upTo(plan.room);
+        ball = sizes.meanBall(e.dim);
+    }
     const double mean = sizes.mean() * std::pow(ball / sizes.meanBall(e.dim), 1.0 / e.dim);
     double volume = e.volume, area = e.area, scale = 1;
     const double others = leaveOut(existing, source, plan, volume, area);
@@ -251,7 +257,15 @@ void expectSpheres(PackPlan& plan, const PackRecipe& recipe, const DomainSource&
         }
         if (target > 0) scale = std::pow(filled * volume * e.kept / (target * ball), 1.0 / e.dim);
     }
-    e.count = target > 0 ? target / e.kept : filled * volume / ball;
+    const double largestFitting = largestScale(sizes, plan.room);
+    const bool isCapped = target > 0 && scale > largestFitting;
+    if (isCapped && scale * sizes.min() > plan.room) return;
+    if (isCapped) {
+        scale = largestFitting;
+        filled = front();
+    }
+    e.count = target > 0 && !isCapped ? target / e.kept
+                                      : filled * volume / (std::pow(scale, e.dim) * ball);
     if (recipe.packing.maxCount > 0)
         e.count = std::min(e.count, static_cast<double>(recipe.packing.maxCount));
     plan.seconds = secondsOf(e, recipe, scale * mean, scale * sizes.max(), dense);
@@ -271,8 +285,9 @@ double localBall(const PackRecipe& recipe, const RequestedSizes& requested,
     return LocalBalls<Dim>(domain, requested.sizes, local).mean();
 }
 
-/// Makes the domain for its volume and area, and for the mean volume of its spheres where sizes
-/// differ by place. What takes more than about a second is left as it was estimated.
+/// Makes the domain for its volume and area, for the largest ball in it, and for the mean volume of
+/// its spheres where sizes differ by place. What takes more than about a second is left as it was
+/// estimated.
 void lookCloser(PackPlan& plan, const PackRecipe& recipe, const DomainSource& source, double voxel,
                 double& ball) {
     // Of all threads, so that other work beside this one does not decide.
@@ -288,6 +303,11 @@ void lookCloser(PackPlan& plan, const PackRecipe& recipe, const DomainSource& so
         if (plan.requested.differByPlace())
             ball = source.dim() == 3 ? localBall<3>(recipe, plan.requested, built)
                                      : localBall<2>(recipe, plan.requested, built);
+        timed.stopIfCancelled();
+        if (!plan.requested.differByPlace())
+            plan.room = (built.space ? largestBall(*built.space).radius
+                                     : largestBall(*built.plane).radius) -
+                        recipe.packing.gap;
         timed.stopIfCancelled();
         plan.extent.area = built.space ? built.space->wallArea() : built.plane->wallArea();
     } catch (const Interrupted&) {
@@ -365,7 +385,8 @@ PackPlan planPack(const PackRecipe& recipe, const DomainSource& source, bool clo
     e.solid = recipe.voids.fill == Fill::solid;
     if (const auto labels = labelGridOf(recipe.outputs, {&source}, recipe.memoryLimit))
         e.labelVoxels = static_cast<double>(labels->voxels());
-    const bool needed = requested.differByPlace() || recipe.domain.slice;
+    const bool isThin = e.area * requested.largest() * radii.scale > e.volume;
+    const bool needed = requested.differByPlace() || recipe.domain.slice || isThin;
     if (closer && needed && e.field.voxels() < kQuickVoxels)
         lookCloser(plan, recipe, source, voxel, ball);
     expectSpheres(plan, recipe, source, ball,

@@ -7,6 +7,7 @@
 #include "vdbpack/run/recipe.h"
 #include "vdbpack/run/run.h"
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -62,15 +63,17 @@ struct PackPlan {
     RequestedSizes requested;
     FieldRadii radii{};
     Extent extent{};
-    double count = 0;           ///< spheres, with the existing ones
-    double existing = 0;        ///< of these
-    double solidFraction = 0;   ///< of the domain, with existing spheres
-    bool densified = true;      ///< whether `densify` reaches its solid fraction
-    double scale = 1;           ///< of the radii, for a target count
+    double count = 0;          ///< spheres, with the existing ones
+    double existing = 0;       ///< of these
+    double solidFraction = 0;  ///< of the domain, with existing spheres
+    bool densified = true;     ///< whether `densify` reaches its solid fraction
+    double scale = 1;          ///< of the radii, for a target count
+    /// The largest radius that fits, where the domain is thin for the radii, mm.
+    double room = std::numeric_limits<double>::infinity();
     Report::Seconds seconds{};  ///< of one processor, without reading and writing
 };
-/// @param closer  also reads existing spheres, and makes the domain if it is clipped or sliced, or
-///                sizes differ by place in it, unless its field takes more than a second.
+/// @param closer  also reads existing spheres, and makes the domain if it is clipped, sliced, or
+///                thin, or sizes differ by place in it, unless its field takes more than a second.
 /// @throws as `requireShell` and `requireRepeating`.
 PackPlan planPack(const PackRecipe& recipe, const DomainSource& source, bool closer = false);
 
