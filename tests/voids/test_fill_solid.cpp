@@ -203,13 +203,14 @@ TEST_CASE("existing spheres that reach into voids are kept where the solid is fi
 }
 
 TEST_CASE("a pack whose radii hardly fit is warned of") {
-    CHECK(mentions(warningsOf(recipeFor("box:20,20,20", "uniform:1,20")), "hardly fit"));
+    CHECK(mentions(warningsOf(recipeFor("box:20,20,20", "constant:5.1")), "hardly fit"));
     CHECK_FALSE(mentions(warningsOf(recipeFor("box:20,20,20", "uniform:1,2")), "hardly fit"));
 }
 
 TEST_CASE("a pack in which few of the larger radii found room is warned of") {
     const char* const asked = "not those requested";
     CHECK(mentions(warningsOf(recipeFor("box:90,90,3", "uniform:0.6,1.6")), asked));
+    CHECK(mentions(warningsOf(recipeFor("box:30,30,3", "uniform:1.4,3")), asked));
     CHECK_FALSE(mentions(warningsOf(recipeFor("box:90,90,3", "uniform:0.6,1.2")), asked));
 }
 

@@ -13,6 +13,9 @@ namespace {
 template <int Dim>
 constexpr int kGridSteps = Dim == 3 ? 48 : 256;
 
+/// From this share of its depth on, a field says no more than that a point lies deep.
+constexpr double kClamped = 0.9;
+
 /// Calls `f` for the points of a grid in the bounds of a domain while it returns true.
 template <int Dim, typename F>
 void forGridPoints(const Box<Dim>& bounds, F&& f) {
@@ -38,7 +41,9 @@ bool holdsBall(const Domain<Dim>& domain, double radius) {
     const auto sampler = domain.sampler();
     bool holds = false;
     forGridPoints(domain.bounds(), [&](const Vec<Dim>& x) {
-        holds = -sampler->signedDistance(x) >= radius;
+        const double field = -sampler->signedDistance(x);
+        holds = field >= radius || (field > 0 && field > kClamped * domain.fieldDepth() &&
+                                    !sampler->isWallCloser(x, radius));
         return !holds;
     });
     return holds;
@@ -59,7 +64,9 @@ Sphere<Dim> largestBall(const Domain<Dim>& domain) {
         return sampler->nearestWall(x, longest, wall) ? wall.distance : field;
     };
     forGridPoints(bounds, [&](const Vec<Dim>& x) {
-        if (-sampler->signedDistance(x) <= std::min(best.radius, domain.fieldDepth() * 0.9))
+        const double field = -sampler->signedDistance(x);
+        if (field <= std::min(best.radius, kClamped * domain.fieldDepth()) ||
+            (field <= best.radius && sampler->isWallCloser(x, best.radius)))
             return true;
         const double depth = depthAt(x);
         if (depth > best.radius) best = {x, depth};
@@ -71,13 +78,15 @@ Sphere<Dim> largestBall(const Domain<Dim>& domain) {
     for (double step = longest / kGridSteps<Dim>; best.radius > 0 && step > 1e-8 * best.radius;
          step *= 0.5) {
         Vec<Dim> x = best.center;
-        for (int k = 0; k < kStepsOfALength; ++k) {
+        // No step changes the depth by more than its length.
+        const double reach = best.radius * (1 + 1e-6) + (kStepsOfALength + 1) * step;
+        for (int k = 0; k <= kStepsOfALength; ++k) {
             WallPoint<Dim> wall;
-            if (!sampler->nearestWall(x, longest, wall) || !(wall.distance > 0)) break;
+            if (!sampler->nearestWall(x, reach, wall) || !(wall.distance > 0) ||
+                (k > 0 && !(sampler->signedDistance(x) < 0)))
+                break;
+            if (wall.distance > best.radius) best = {x, wall.distance};
             x += (step / wall.distance) * (x - wall.point);
-            const double depth = depthAt(x);
-            if (!(depth > 0)) break;
-            if (depth > best.radius) best = {x, depth};
         }
     }
     return best;

@@ -1,6 +1,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/pack/front_fraction.h"
+#include "vdbpack/pack/kernel_settings.h"
 #include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/packer.h"
 
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace vdbpack {
@@ -96,10 +98,15 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
             refuseCount(target, nothingFits);
         }
     };
-    const double largest = asked.local.any() || domain.cell().any()
-                               ? kFar
-                               : largestScale(asked.sizes, largestBall(domain).radius - asked.gap);
-    double scale = std::min(firstScale(), largest);
+    // No larger than what fits, which is looked for where a ball of that size is not soon found.
+    std::optional<double> largest;
+    const auto fitting = [&](double scale) {
+        if (asked.local.any() || domain.cell().any()) return scale;
+        if (!largest && holdsBall(domain, scale * asked.sizes.max() + asked.gap)) return scale;
+        if (!largest) largest = largestScale(asked.sizes, largestBall(domain).radius - asked.gap);
+        return std::min(scale, *largest);
+    };
+    double scale = fitting(firstScale());
     for (int attempt = 0; attempt < kCountAttempts; ++attempt) {
         scaleSizes(options, asked, scale);
         PackResult<Dim> result;
@@ -121,7 +128,7 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         }
         best.interrupted = interrupted;
         if (interrupted || options.maxCount > 0 || isNear(bestCount, target)) break;
-        const double next = std::min(search.next(scale, count), largest);
+        const double next = fitting(search.next(scale, count));
         if (next == scale) break;
         scale = next;
     }

@@ -28,9 +28,8 @@ constexpr double kCountTolerance = 0.02;
 /// Solid fraction below which a pack is called empty.
 constexpr double kLeastSolid = 0.1;
 /// Kolmogorov-Smirnov distance of the radii from those requested from which on they are others, and
-/// the fewest spheres that show it.
-constexpr double kOtherRadii = 0.05;
-constexpr std::uint64_t kEnough = 1000;
+/// that of a single sphere, which falls with the square root of their number.
+constexpr double kOtherRadii = 0.05, kFewRadii = 2.5;
 
 std::string percent(double share) {
     return fmt::format("{:.3g} %", 100 * share);
@@ -113,7 +112,8 @@ void warnOfSizes(const Run<Dim>& run, double largest) {
             "the {} fill only {} of the domain, since those of up to {:.3g} mm hardly fit. Give a "
             "smaller largest radius{}",
             spheres, percent(*report.solidFractionTotal), largest, room()));
-    else if (report.ks.value_or(0) > kOtherRadii && report.count >= kEnough)
+    else if (report.ks.value_or(0) >
+             std::max(kOtherRadii, kFewRadii / std::sqrt(static_cast<double>(report.count))))
         run.callbacks.warn(fmt::format(
             "the radii are not those requested (Kolmogorov-Smirnov distance {:.2g}): {} of up to "
             "{:.3g} mm found room in few places. Give a smaller largest radius{}",
