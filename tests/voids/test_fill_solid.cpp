@@ -203,7 +203,13 @@ TEST_CASE("existing spheres that reach into voids are kept where the solid is fi
 }
 
 TEST_CASE("a pack whose radii hardly fit is warned of") {
-    CHECK(mentions(warningsOf(recipeFor("box:20,20,20", "constant:5.1")), "hardly fit"));
+    // Walls of 0.6 mm, which are thicker at edges alone.
+    const TemporaryFolder folder;
+    writeObj(merged(boxMesh({{0, 0, 0}}, {{6, 6, 6}}),
+                    flipped(boxMesh({{0.6, 0.6, 0.6}}, {{5.4, 5.4, 5.4}}))),
+             folder.file("hollow.obj"));
+    CHECK(mentions(warningsOf(recipeFor(folder.file("hollow.obj"), "uniform:0.31,0.6")),
+                   "hardly fit"));
     CHECK_FALSE(mentions(warningsOf(recipeFor("box:20,20,20", "uniform:1,2")), "hardly fit"));
 }
 
