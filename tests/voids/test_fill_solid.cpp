@@ -208,7 +208,7 @@ TEST_CASE("a pack whose radii hardly fit is warned of") {
     writeObj(merged(boxMesh({{0, 0, 0}}, {{6, 6, 6}}),
                     flipped(boxMesh({{0.6, 0.6, 0.6}}, {{5.4, 5.4, 5.4}}))),
              folder.file("hollow.obj"));
-    CHECK(mentions(warningsOf(recipeFor(folder.file("hollow.obj"), "uniform:0.31,0.6")),
+    CHECK(mentions(warningsOf(recipeFor(folder.file("hollow.obj"), "uniform:0.36,0.6")),
                    "hardly fit"));
     CHECK_FALSE(mentions(warningsOf(recipeFor("box:20,20,20", "uniform:1,2")), "hardly fit"));
 }
