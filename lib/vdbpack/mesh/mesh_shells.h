@@ -37,10 +37,10 @@ struct ShellAnalysis {
 /// shell if as many run along it one way as the other, and all of them otherwise: solids that touch
 /// at an edge are separate. Solids with a wall in common, of which each has a copy, are one shell
 /// if the copies face opposite ways. So are a shell and one inside it that faces outward and shares
-/// an edge with it, as the two may overlap. Shells that share only a vertex are separate. A triangle that
-/// uses a vertex twice belongs to a shell at one of its corners and does not affect it. Only closed
-/// shells enclose others. Where two shells intersect, the smaller counts as enclosed if more than
-/// three quarters of up to five of its triangles lie inside the larger.
+/// an edge with it, as the two may overlap. Shells that share only a vertex are separate. A
+/// triangle that uses a vertex twice belongs to a shell at one of its corners and does not affect
+/// it. Only closed shells enclose others. Where two shells intersect, the smaller counts as
+/// enclosed if more than three quarters of up to five of its triangles lie inside the larger.
 ///
 /// Cost: linear in the triangles, except for rays (along z) from five triangles of each shell.
 /// Volumes are computed relative to a point of the shell, so they lose no digits far from the
