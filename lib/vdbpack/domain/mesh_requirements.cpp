@@ -159,11 +159,14 @@ void refuseVoxels(const std::string& name, const MeshHealth& health, double fiel
         std::isfinite(clearance.gap)
             ? fmt::format(", with gaps of about {:.2g} mm between walls", clearance.gap)
             : "";
+    constexpr double kManyVoxels = 1e8;
+    const double voxels = estimatedVoxels(health.area, fineEnough, 0);
     throw InputError(fmt::format(
         "{}: voxels of {:.4g} mm are too coarse for the mesh, whose thinnest walls are about "
         "{:.2g} mm thick{}: their field encloses {:.6g} mm³, the mesh {:.6g} mm³. Set `voxelSize` "
-        "to {:.2g} mm or less{}",
+        "to {:.2g} mm or less{}{}",
         name, voxelSize, clearance.thickness, gaps, fieldVolume, health.enclosedVolume, fineEnough,
+        voxels > kManyVoxels ? fmt::format(" (about {:.1g} voxels)", voxels) : "",
         health.duplicateTriangles > 0
             ? ", or set `repair`, which removes walls that solids have in common"
             : ""));
