@@ -77,8 +77,8 @@ public:
     /// The same shape with all radii times `factor` > 0. For formulas `spec()` is the formula with
     /// its lengths multiplied and rounded to six digits.
     SizeDistribution scaled(double factor) const;
-    /// The radii of it that are no larger than `most` (mm), a share of more than 1e-6; of a table
-    /// or grading curve 4096 radii of equal weight.
+    /// Its radii that are no larger than `most` mm; all of them where these are less than a
+    /// millionth. Of a table or grading curve 4096 radii of equal weight.
     SizeDistribution upTo(double most) const;
     /// With the lengths of formulas rounded to six digits, so that `spec()` states them exactly.
     SizeDistribution rounded() const;
