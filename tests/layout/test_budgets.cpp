@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 96303},
+    {"lib", 96434},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
@@ -30,12 +30,12 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/image", 5780},
     {"lib/vdbpack/field", 6109},
     {"lib/vdbpack/repair", 2843},
-    {"lib/vdbpack/domain", 7113},
+    {"lib/vdbpack/domain", 7116},
     {"lib/vdbpack/pack", 8165},
     {"lib/vdbpack/densify", 6008},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5667},
-    {"lib/vdbpack/voids", 8088},
+    {"lib/vdbpack/voids", 8216},
     {"lib/vdbpack/formats", 10368},
     {"lib/vdbpack/report", 4066},
     {"lib/vdbpack/preview", 3597},
@@ -44,7 +44,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 3618},
     {"lib/vdbpack/run", 7789},
     {"tools", 3942},
-    {"tests", 36083},
+    {"tests", 36107},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -84,6 +84,30 @@ TEST_CASE("numbers at scattered points are interpolated linearly") {
     CHECK(field->bounds().contains(kBox.hi));
 }
 
+TEST_CASE("numbers at the nodes of a lattice are linear between its planes") {
+    // Uneven planes along x, few along y and z; in the order of neither.
+    const std::vector<double> planes{0, 0.3, 0.5, 4, 4.25, 10};
+    const auto number = [](double x) { return x < 4.1 ? 0.1 + 0.05 * x : 0.9; };
+    std::string text = "x,y,z,value\n";
+    for (const double z : {10.0, 0.0})
+        for (const double x : {4.25, 0.0, 10.0, 0.3, 4.0, 0.5})
+            for (const double y : {0.0, 10.0})
+                text += fmt::format("{},{},{},{}\n", x, y, z, number(x) + 0.005 * y);
+    const auto field = fieldOf(text);
+    RandomStream random(5, 1);
+    for (int i = 0; i < 1000; ++i) {
+        const Vec<3> x = randomPoint(random, kBox);
+        const auto next = std::upper_bound(planes.begin(), planes.end(), x[0]);
+        const double a = next[-1], b = *next;
+        const double expected =
+            number(a) + (x[0] - a) / (b - a) * (number(b) - number(a)) + 0.005 * x[1];
+        REQUIRE(field->at(x) == Approx(expected).margin(1e-12));
+    }
+    CHECK(field->at({{-0.5, 0, 0}}) == Approx(0.1));
+    CHECK(field->at({{10.5, 10, 5}}) == Approx(0.95));
+    CHECK(field->lattice().second == Approx(0.1));
+}
+
 TEST_CASE("numbers of zero count, and tables of the plane hold at any height") {
     const auto field = fieldOf("x,y,value\n0,0,0\n1,0,0\n0,1,0\n1,1,0\n10,0,1\n10,1,1\n");
     CHECK(field->at({{0.5, 0.5, 7}}) == Approx(0).margin(0.02));

@@ -5,12 +5,14 @@
 #include "vdbpack/io/number_table.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/voids/field_points.h"
+#include "vdbpack/voids/table_lattice.h"
 #include "vdbpack/voids/tensor_field.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace vdbpack {
@@ -41,7 +43,8 @@ class TableNumbers : public ScalarField {
 public:
     TableNumbers(const std::vector<std::pair<Vec<3>, double>>& numbers, const Box<3>& bounds,
                  bool planar)
-        : numbers_(numbers), bounds_(bounds), planar_(planar) {
+        : nodes_(TableLattice::from(numbers)), bounds_(bounds), planar_(planar) {
+        if (!nodes_) numbers_.emplace(numbers);
         least_ = most_ = numbers.front().second;
         Box<3> points;
         for (const auto& [x, number] : numbers) points.add(x);
@@ -51,7 +54,8 @@ public:
         for (int d = 0; d < 3; ++d)
             if (const double side = points.size()[d]; side > 0) space *= side, ++axes;
         const double each = space / static_cast<double>(numbers.size());
-        lattice_ = {numbers.front().first, axes > 0 ? 0.5 * std::pow(each, 1.0 / axes) : 1};
+        const double half = nodes_ ? 0.5 * nodes_->step() : 0.5 * std::pow(each, 1.0 / axes);
+        lattice_ = {numbers.front().first, axes > 0 ? half : 1};
         for (const auto& [x, number] : numbers) {
             least_ = std::min(least_, number);
             most_ = std::max(most_, number);
@@ -60,11 +64,13 @@ public:
     Box<3> bounds() const override { return bounds_; }
     std::pair<Vec<3>, double> lattice() const override { return lattice_; }
     double at(const Vec<3>& x) const override {
-        return std::clamp(numbers_.at(planar_ ? Vec<3>{{x[0], x[1], 0}} : x), least_, most_);
+        const Vec<3> point = planar_ ? Vec<3>{{x[0], x[1], 0}} : x;
+        return nodes_ ? nodes_->at(point) : std::clamp(numbers_->at(point), least_, most_);
     }
 
 private:
-    PointNumbers numbers_;
+    std::optional<TableLattice> nodes_;
+    std::optional<PointNumbers> numbers_;  // of points that are no lattice
     Box<3> bounds_;
     bool planar_;
     std::pair<Vec<3>, double> lattice_;

@@ -44,9 +44,10 @@ bool namesScalarField(const std::string& file);
 /// Reads a field from a .vdb file or a table (.csv, .tsv, .txt).
 ///
 /// Tables have columns x,y,z and one of `meaning.columns`, in any order; points may lie anywhere.
-/// The values are interpolated, and the box that they cover follows, as for `readDirectionField`;
-/// values between the points lie within those of the points. A table without z is a field of the
-/// plane.
+/// Where they are all nodes of a lattice, its planes evenly spaced or not, values are linear along
+/// each axis in between, and beyond the lattice as at its border; else they are interpolated as for
+/// `readDirectionField`, within the values of the points. The box that they cover follows as there.
+/// A table without z is a field of the plane.
 ///
 /// Of a .vdb file the first grid of floats or doubles counts, under any linear transform. The value
 /// is linear between the centers of the active voxels; inactive ones have no value, whatever the
