@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 96434},
+    {"lib", 96435},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
@@ -34,7 +34,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/pack", 8165},
     {"lib/vdbpack/densify", 6008},
     {"lib/vdbpack/bonds", 696},
-    {"lib/vdbpack/measure", 5667},
+    {"lib/vdbpack/measure", 5668},
     {"lib/vdbpack/voids", 8216},
     {"lib/vdbpack/formats", 10368},
     {"lib/vdbpack/report", 4066},

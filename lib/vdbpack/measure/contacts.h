@@ -15,8 +15,8 @@ namespace vdbpack {
 
 /// The network that contacts form.
 struct ContactNetwork {
-    /// Mean number of spheres that a sphere touches, and one more for walls, the coordination number;
-    /// 0 if empty.
+    /// Mean number of spheres that a sphere touches, and one more for walls: the coordination
+    /// number; 0 if empty.
     double mean = 0;
     double meanOfSpheres = 0;        ///< the same without walls
     std::uint64_t pairs = 0;         ///< touching pairs of spheres
