@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 96435},
+    {"lib", 96445},
     {"lib/python", 2063},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
-    {"lib/vdbpack/mesh", 4173},
+    {"lib/vdbpack/mesh", 4183},
     {"lib/vdbpack/verify", 2453},
     {"lib/vdbpack/image", 5780},
     {"lib/vdbpack/field", 6109},

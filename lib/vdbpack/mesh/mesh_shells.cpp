@@ -193,6 +193,14 @@ void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
     }
 }
 
+/// Whether one of the triangles at an edge is marked.
+bool hasAny(const std::vector<char>& marked, const EdgeTable::Use* first,
+            const EdgeTable::Use* last) {
+    return !marked.empty() && std::any_of(first, last, [&](const EdgeTable::Use& use) {
+        return marked[use.triangle()] != 0;
+    });
+}
+
 /// Joins triangles at edges; a piece is named by its first triangle.
 /// @param isWhole  whether all triangles at an edge with this one are joined; empty: none are.
 DisjointSets joinPieces(const TriangleMesh& mesh, const EdgeTable& edges,
@@ -204,10 +212,7 @@ DisjointSets joinPieces(const TriangleMesh& mesh, const EdgeTable& edges,
     };
     edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
                       const EdgeTable::Use* last) {
-        const bool whole = !isWhole.empty() && std::any_of(first, last, [&](const auto& use) {
-            return isWhole[use.triangle()] != 0;
-        });
-        if (last - first < 3 || whole || edges.surplus(first, last) != 0) {
+        if (last - first < 3 || edges.surplus(first, last) != 0 || hasAny(isWhole, first, last)) {
             for (const auto* use = first + 1; use < last; ++use) join(*first, *use);
             return;
         }
@@ -369,14 +374,19 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh, const EdgeTable& edges) {
     ShellAnalysis result = splitShells(mesh, edges, {});
     // A shell that faces outward in another and shares an edge with it may overlap it as well as
     // bound a cavity: no volume is known of the two.
+    const auto isDoubtful = [](const Shell& shell) {
+        return shell.depth > 0 && (shell.signedVolume > 0) != (shell.depth % 2 == 0);
+    };
+    if (std::none_of(result.shells.begin(), result.shells.end(), isDoubtful)) return result;
     std::vector<char> isWhole(mesh.triangles.size(), 0);
-    bool any = false;
-    for (std::size_t i = 0; i < isWhole.size(); ++i) {
-        const Shell& shell = result.shells[result.shellOfTriangle[i]];
-        isWhole[i] = shell.depth > 0 && (shell.signedVolume > 0) != (shell.depth % 2 == 0);
-        any = any || isWhole[i] != 0;
-    }
-    return any ? splitShells(mesh, edges, isWhole) : result;
+    for (std::size_t i = 0; i < isWhole.size(); ++i)
+        isWhole[i] = isDoubtful(result.shells[result.shellOfTriangle[i]]);
+    bool sharesEdge = false;
+    edges.forEach(
+        [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
+            sharesEdge = sharesEdge || (last - first > 2 && hasAny(isWhole, first, last));
+        });
+    return sharesEdge ? splitShells(mesh, edges, isWhole) : result;
 }
 
 ShellAnalysis analyzeShells(const TriangleMesh& mesh) {

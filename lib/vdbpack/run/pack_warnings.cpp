@@ -27,8 +27,8 @@ constexpr double kFilled = 0.4;
 constexpr double kCountTolerance = 0.02;
 /// Solid fraction below which a pack is called empty.
 constexpr double kLeastSolid = 0.1;
-/// Kolmogorov-Smirnov distance of the radii from those requested from which on they are others, and
-/// that of a single sphere, which falls with the square root of their number.
+/// The radii are others than those requested from this Kolmogorov-Smirnov distance on, and from
+/// this number divided by the square root of the number of spheres: few spheres scatter.
 constexpr double kOtherRadii = 0.05, kFewRadii = 2.5;
 
 std::string percent(double share) {
