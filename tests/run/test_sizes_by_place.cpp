@@ -105,6 +105,21 @@ TEST_CASE("a field densifies with its local sizes") {
     CHECK(runPack(recipe).report.hash == dense.hash);
 }
 
+TEST_CASE("spheres that move keep to the field") {
+    const TemporaryFolder folder;
+    putContent(folder.file("ramp.csv"), rampTable(0.5, 1.5));
+    PackJob recipe = recipeWith(folder.file("ramp.csv"), "constant:1.2");
+    const double front = *runPack(recipe).report.solidFractionTotal;
+    if (GENERATE(false, true))
+        recipe.densify.fraction = front + 0.02;
+    else
+        recipe.settle = true;
+    const auto report = runPack(recipe).report;
+    CHECK(*report.solidFractionTotal > front - 1e-9);
+    CHECK(report.overlap->max < 1e-6);
+    CHECK(report.localSizes.front().ks < 0.05);  // of equal radii: hardly any is off by 5e-4
+}
+
 TEST_CASE("a bone densifies whatever the radii leave of its shell", "[long]") {
     struct Case {
         double shell;

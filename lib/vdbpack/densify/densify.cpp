@@ -20,6 +20,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -85,6 +86,7 @@ public:
                 attempt(result_.before, paces_.all());  // adds no sphere: any pace may succeed
         }
         if (moved_ && options_.contacts && !options_.settle && !result_.interrupted) drawTogether();
+        if (local_) follow();
         if (device_) result_.device = device_->use();
         result_.after = reached();
         result_.reached = result_.apart && result_.after >= options_.fraction - kFractionRounding;
@@ -200,8 +202,9 @@ private:
             LocalPack<Dim> fitted = pack;
             const std::vector<std::uint32_t> places = places_;
             local_->fit(fitted);
-            if (fractionOf(fitted.spheres) >= fraction - kFractionRounding &&
-                relaxLocally(fraction, pace, fitted)) {
+            local_->insert((fraction - fractionOf(fitted.spheres)) * volume_, *domain_,
+                           stage ^ (std::uint64_t(100 + k) << 48), fitted);
+            if (relaxLocally(fraction, pace, fitted, false)) {
                 pack = std::move(fitted);
             } else {
                 places_ = places;
@@ -211,8 +214,10 @@ private:
         return !result_.interrupted;
     }
 
-    bool relaxLocally(double fraction, const RelaxationPace& pace, LocalPack<Dim>& pack) {
+    bool relaxLocally(double fraction, const RelaxationPace& pace, LocalPack<Dim>& pack,
+                      bool exchange = true) {
         return relaxHere(pack.spheres, pack.classes, [&](Relaxation<Dim>& relaxation) {
+            if (!exchange) relaxation.exchangeNone();
             return isRelaxed(relaxation, pace, fraction, pack.spheres.size());
         });
     }
@@ -268,6 +273,28 @@ private:
                                           return relaxation.settle(callbacks_, onStep);
                                       });
             if (result_.apart || result_.interrupted) return;
+        }
+    }
+
+    /// Spheres take the radii that are requested where they are now, and are drawn together again.
+    void follow() {
+        constexpr double kClose = 1e-4;
+        double before = std::numeric_limits<double>::infinity();
+        const double least = std::min(result_.after = reached(), options_.fraction);
+        while (result_.apart && !result_.interrupted) {
+            LocalPack<Dim> pack{result_.spheres, result_.regions, relative_};
+            const double misfit = local_->misfit(pack);
+            if (misfit < kClose || !(misfit < 0.5 * before)) return;
+            before = misfit;
+            local_->fit(pack);
+            if (fractionOf(pack.spheres) < least - kFractionRounding ||
+                !relaxOnce(std::move(pack.spheres), "sizes by place",
+                           [&](Relaxation<Dim>& relaxation, const auto& onStep) {
+                               relaxation.exchangeNone();
+                               return relaxation.drawTogether(false, callbacks_, onStep);
+                           }))
+                return;
+            result_.regions = std::move(pack.classes);
         }
     }
 

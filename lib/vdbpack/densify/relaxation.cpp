@@ -271,7 +271,8 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
             return outcome;
         }
         renewLists(all, outcome.worst);
-        step.exchanges = clock_ % static_cast<std::uint64_t>(pace.exchangeEvery) == 0;
+        step.exchanges =
+            mayExchange_ && clock_ % static_cast<std::uint64_t>(pace.exchangeEvery) == 0;
         const float worst = stepAll(step);
         // Of the positions before this step, which is not taken if they are good.
         outcome.worst = std::max(0.0, static_cast<double>(worst - delta_));
@@ -284,7 +285,7 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
         advance();
         refreshNear();
         if (stuck.isStuck(worst)) {
-            loosen(worst);
+            loosen(worst, 0, mayExchange_);
             refreshNear();
         }
         ++clock_;

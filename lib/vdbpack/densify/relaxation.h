@@ -65,6 +65,8 @@ public:
         boundary_ = &boundary;
         isInside_ = &isInside;
     }
+    /// Lets no spheres exchange positions from now on: each stays near where it is.
+    void exchangeNone() { mayExchange_ = false; }
     /// Takes steps on a device; null: on the processor alone.
     void useDevice(StepDevice* device) { device_ = device; }
     Relaxation(const Relaxation&) = delete;
@@ -396,7 +398,8 @@ private:
 
     StepDevice* device_ = nullptr;
     bool deviceTurn_ = false,
-         onDevice_ = false;           ///< until lists are renewed; whether it has the state
+         onDevice_ = false;  ///< until lists are renewed; whether it has the state
+    bool mayExchange_ = true;
     bool exchangesOnDevice_ = false;  ///< whether its last step, not taken up yet, had exchanges
 
     bool wraps_ = false;  ///< whether far spheres may have near low bits

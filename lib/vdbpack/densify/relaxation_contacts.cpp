@@ -159,7 +159,7 @@ void Relaxation<Dim>::relieve(int left, float worst, float& before, const Relaxa
                            : settling_           ? whilePulled
                                                  : std::numeric_limits<float>::infinity();
     if (worst > kPatient * before && worst > leftOver) {
-        loosen(worst, kick);
+        loosen(worst, kick, mayExchange_);
         refreshNear();
     }
     before = worst;

@@ -115,9 +115,13 @@ void warnOfSizes(const Run<Dim>& run, double largest) {
     else if (report.ks.value_or(0) >
              std::max(kOtherRadii, kFewRadii / std::sqrt(static_cast<double>(report.count))))
         run.callbacks.warn(fmt::format(
-            "the radii are not those requested (Kolmogorov-Smirnov distance {:.2g}): {} of up to "
-            "{:.3g} mm found room in few places. Give a smaller largest radius{}",
-            *report.ks, spheres, largest, room()));
+            "the radii are not those requested (Kolmogorov-Smirnov distance {:.2g}): {}",
+            *report.ks,
+            !report.localSizes.empty() && (report.densified || report.seconds.settle > 0)
+                ? fmt::format("{} that move across a jump of the sizes keep theirs", spheres)
+                : fmt::format("{} of up to {:.3g} mm found room in few places. Give a smaller "
+                              "largest radius{}",
+                              spheres, largest, room())));
 }
 
 template <int Dim>
