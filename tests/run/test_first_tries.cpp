@@ -130,3 +130,24 @@ TEST_CASE("level sets whose voxels OpenVDB cannot hold in a unit are refused bef
     for (std::size_t i = 0; i < read.spheres.size(); ++i)
         CHECK(length(read.spheres[i].center - made.spheres[i].center) < 1e-6 * 0.01);
 }
+
+TEST_CASE("circles of a plane in a domain of space are warned of") {
+    const TemporaryFolder folder;
+    const std::string circles = folder.file("c.csv"), box = "box:12,12,12";
+    putContent(circles, "x,y,z,radius\n0,0,1,1\n3,0,1,1\n0,3,1,1\n");
+    const auto isNamed = [](const std::vector<std::string>& warnings) {
+        return std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+            return warning.find("lie at one height") != std::string::npos;
+        });
+    };
+    PackJob around = recipeFor(box, "constant:1");
+    around.existing = circles;
+    CHECK(isNamed(runPack(around).report.warnings));
+    auto densify = onPack<DensifyRecipe>(circles);
+    densify.domain.source = box;
+    densify.densify.fraction = 0.1;
+    CHECK(isNamed(runDensify(densify).report.warnings));
+    auto verify = onPack<VerifyRecipe>(circles);
+    verify.domain.source = box;
+    CHECK(isNamed(runVerify(verify).report.warnings));
+}

@@ -337,6 +337,11 @@ TEST_CASE("columns that a .ply does not hold are named, and types that name no m
     CHECK(mentions(runConvert(convert).warnings, "`columns` density_class=type"));
     convert.packColumns.renamed = {{"density_class", "type"}};
     CHECK(runConvert(convert).warnings.empty());
+    for (const std::string prefix : {"spherepack:", "yade:", "liggghts:"}) {
+        convert.outputs = {prefix + folder.file("u")};
+        CHECK(mentions(runConvert(convert).warnings, "columns 'density_class'") ==
+              (prefix[0] == 's'));
+    }
     CHECK_THAT(contentOf(yade), Contains("matId") && Contains("1.0\t0\n") && Contains("1.0\t1\n"));
 }
 

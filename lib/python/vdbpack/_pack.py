@@ -329,6 +329,9 @@ def read(file: Path, unit: str = "mm", grid: str = "", columns: str = "", pack_r
     unit: of the file, if it does not state its own: "m", "cm", "mm" or "um". grid: of a .vdb.
     columns: of a file: all names, "x,y,z,r", or new names of some, "x=East,y=North".
     pack_radius: mm, of spheres in a file without radii.
+
+    Files do not say whether spheres are circles of a plane: these come back as spheres, positions of shape
+    (N, 3). Runs in a domain of the plane take them as circles again.
     """
     return Pack._of(_core.read(os.fsdecode(file), unit, grid, columns, pack_radius))
 

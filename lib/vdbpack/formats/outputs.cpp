@@ -5,11 +5,13 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/bonded_pack.h"
+#include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/material_file.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/pack_parts.h"
+#include "vdbpack/formats/pack_target.h"
 #include "vdbpack/formats/run_surface.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/formats/with_images.h"
@@ -99,46 +101,58 @@ void writeContour(const OutputTarget& target, const RunOutputs<Dim>& have) {
              target.file, have.options.unit, have.options.generator);
 }
 
-/// Ids of a .ply have 32 bits; where one does not fit, the file has none.
+bool isOfLammps(PackFormat format) {
+    return format == PackFormat::lammpsData || format == PackFormat::lammpsBonds;
+}
+
+/// Ids of a .ply and of atoms have 32 bits; where one does not fit, the file has none.
 template <int Dim>
 void warnOfIds(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    if (target.kind != OutputKind::pack || target.extension() != ".ply") return;
+    if (target.kind != OutputKind::pack) return;
+    const bool atoms = isOfLammps(targetToWrite(target.text, Dim).format);
+    if (!atoms && target.extension() != ".ply") return;
     const auto wide = std::find_if(pack.id.begin(), pack.id.end(), [](std::int64_t id) {
         return id < std::numeric_limits<std::int32_t>::min() ||
                id > std::numeric_limits<std::int32_t>::max();
     });
     if (wide != pack.id.end())
         callbacks.warn(fmt::format(
-            "{}: ids are left out, as {} does not fit into the 32 bits that .ply has for one; "
+            "{}: ids are left out{}, as {} does not fit into the 32 bits that {} for one; "
             ".csv, .vtp and .vdb keep them",
-            target.file, *wide));
+            target.file, atoms ? " and atoms counted from 1" : "", *wide,
+            atoms ? "LAMMPS has" : ".ply has"));
 }
 
-/// Arrays of a .vtkhdf are numbers.
-template <int Dim>
-void warnOfTexts(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    const std::string extension = target.extension();
-    if (target.kind != OutputKind::pack || (extension != ".vtkhdf" && extension != ".hdf")) return;
-    for (const Column& column : pack.columns)
-        if (!column.texts.empty())
-            callbacks.warn(fmt::format(
-                "{}: the texts of column {} are left out, as .vtkhdf holds numbers alone; .csv, "
-                ".vtp and .vdb keep them",
-                target.file, quotedExcerpt(column.name)));
-}
-
-/// A .ply has no other columns.
+/// Files for YADE and LAMMPS have materials alone besides spheres, a .vtkhdf numbers alone, and a
+/// .ply nothing.
 template <int Dim>
 void warnOfColumns(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    if (target.kind != OutputKind::pack || target.extension() != ".ply") return;
-    std::vector<std::string> lost;
-    if (!pack.region.empty()) lost.push_back("region");
-    for (const Column& column : pack.columns) lost.push_back(column.name);
+    if (target.kind != OutputKind::pack) return;
+    using Names = std::vector<std::string>;
+    static const Names materials{"region",     kPartColumn,    kDensityColumn,
+                                 kClassColumn, kModulusColumn, "density",
+                                 "type",       "matId",        "existing"};
+    static const Names clumps{kYadeClump, "existing"}, none;
+    const PackFormat format = targetToWrite(target.text, Dim).format;
+    const bool ofPrograms = format == PackFormat::yade || isOfLammps(format);
+    const bool numbers = format == PackFormat::vtkhdf, ply = target.extension() == ".ply";
+    if (!ofPrograms && !numbers && !ply && format != PackFormat::spherePack) return;
+    const Names& kept = ofPrograms ? materials : ply ? none : clumps;
+    Names lost;
+    const auto add = [&](const std::string& name) {
+        if (std::find(kept.begin(), kept.end(), name) == kept.end()) lost.push_back(name);
+    };
+    if (!pack.region.empty() && !numbers) add("region");
+    for (const Column& column : pack.columns)
+        if (!numbers || !column.texts.empty()) add(column.name);
     if (!lost.empty())
         callbacks.warn(fmt::format(
-            "{}: holds positions, radii and ids alone, without the columns {}; .csv, .vtp and "
-            ".vdb keep them",
-            target.file, quotedExcerpt(fmt::format("{}", fmt::join(lost, ", ")))));
+            "{}: holds spheres{}, without the columns {}; .csv, .vtp and .vdb keep them",
+            target.file,
+            ofPrograms ? " and their materials"
+            : numbers  ? " and numbers"
+                       : "",
+            quotedExcerpt(fmt::format("{}", fmt::join(lost, ", ")))));
 }
 
 template <int Dim>
@@ -378,7 +392,6 @@ std::vector<std::string> writeOutputs(const std::vector<OutputTarget>& outputs,
         callbacks.report("write", 0, 0);
         if (have.pack) {
             warnOfIds(output, *have.pack, callbacks);
-            warnOfTexts(output, *have.pack, callbacks);
             warnOfColumns(output, *have.pack, callbacks);
             warnOfTypes(output, *have.pack, callbacks);
             warnOfCell(output, *have.pack, callbacks);

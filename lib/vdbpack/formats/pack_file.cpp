@@ -153,10 +153,10 @@ Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
 }
 
 bool isPlane(const Pack<3>& pack) {
-    const double z = pack.spheres.front().center[2];
     return pack.spheres.size() > 2 &&
-           std::all_of(pack.spheres.begin(), pack.spheres.end(),
-                       [z](const Sphere<3>& s) { return s.center[2] == z; });
+           std::all_of(pack.spheres.begin(), pack.spheres.end(), [&](const Sphere<3>& s) {
+               return s.center[2] == pack.spheres.front().center[2];
+           });
 }
 
 Pack<2> asCircles(const Pack<3>& pack) {

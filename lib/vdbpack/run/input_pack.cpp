@@ -170,6 +170,13 @@ bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& 
     return true;
 }
 
+void warnOfPlane(const std::string& file, const Pack<3>& pack, const Callbacks& callbacks) {
+    if (isPlane(pack))
+        callbacks.warn(file +
+                       ": all its spheres lie at one height. If they are circles of a plane, give "
+                       "a rect or disc, or the `slice` z=V of the domain");
+}
+
 template <int Dim>
 void requireOneBody(const Pack<Dim>& pack, const Domain<Dim>& domain, const std::string& file,
                     const char* setting) {

@@ -71,6 +71,9 @@ bool warnOfOutside(std::uint64_t outside, std::size_t count, const std::string& 
 bool warnOfOutside(const std::vector<double>& depths, const PackAttributes& pack,
                    const std::string& domain, const Callbacks& callbacks);
 
+/// Warns of spheres at one height in a domain of space.
+void warnOfPlane(const std::string& file, const Pack<3>& pack, const Callbacks& callbacks);
+
 /// Builds the domain of a pack of so many spheres, if there is one and memory suffices.
 /// @param reach  as in DomainSource::build. @throws ResourceError, and as DomainSource::build
 DomainSource::Built buildAround(const std::optional<DomainSource>& source, int dim,
@@ -112,6 +115,7 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
             run.pack = asCircles(pack);
             return stages(run);
         }
+        warnOfPlane(recipe.pack, pack, heard);
         Run<3> run(settings, source, report, clock, limited);
         run.pack = pack;
         return stages(run);
@@ -163,10 +167,7 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
         }
     };
     const bool plane = isPlane(given);
-    if (source && source->dim() == 3 && plane)
-        callbacks.warn(recipe.pack +
-                       ": all its spheres lie at one height. Set `slice` to z=V to "
-                       "measure them as circles of a plane");
+    if (source && source->dim() == 3) warnOfPlane(recipe.pack, given, callbacks);
     if (!source && plane && !inSpace)
         callbacks.warn(recipe.pack +
                        ": all its spheres lie at one height and are measured as circles of a "

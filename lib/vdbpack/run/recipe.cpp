@@ -7,6 +7,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/io/suggest.h"
+#include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/run_parts.h"
 #include "vdbpack/voids/local_values.h"
 
@@ -289,6 +290,7 @@ Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight, const Callb
                 recipe.existing, i, s.center[0], s.center[1], s.center[2], s.radius));
     }
     if constexpr (Dim == 3) {
+        warnOfPlane(recipe.existing, pack, callbacks);
         return pack;
     } else {
         Pack<2> circles;
