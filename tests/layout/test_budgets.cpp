@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 96445},
-    {"lib/python", 2063},
+    {"lib", 96499},
+    {"lib/python", 2066},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 4183},
@@ -32,19 +32,19 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/repair", 2843},
     {"lib/vdbpack/domain", 7116},
     {"lib/vdbpack/pack", 8165},
-    {"lib/vdbpack/densify", 6008},
+    {"lib/vdbpack/densify", 6032},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5668},
     {"lib/vdbpack/voids", 8216},
-    {"lib/vdbpack/formats", 10368},
+    {"lib/vdbpack/formats", 10381},
     {"lib/vdbpack/report", 4066},
     {"lib/vdbpack/preview", 3597},
     {"lib/vdbpack/view", 1583},
     {"lib/vdbpack/distributed", 448},
     {"lib/vdbpack/options", 3618},
-    {"lib/vdbpack/run", 7789},
+    {"lib/vdbpack/run", 7803},
     {"tools", 3942},
-    {"tests", 36107},
+    {"tests", 36148},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 420;

@@ -86,15 +86,16 @@ public:
                 attempt(result_.before, paces_.all());  // adds no sphere: any pace may succeed
         }
         if (moved_ && options_.contacts && !options_.settle && !result_.interrupted) drawTogether();
-        if (local_) follow();
+        if (local_ && result_.apart && !result_.interrupted) fitSettled();
         if (device_) result_.device = device_->use();
         result_.after = reached();
         result_.reached = result_.apart && result_.after >= options_.fraction - kFractionRounding;
         if (ranks_) {
-            sortOverRanks();
+            homes_->sort(*ranks_, result_.labels, places_, result_.spheres);
             result_.pieces = homes_->pieces();
-        } else {
-            sortByPlace();
+        } else {  // it is the sizes that are exchanged
+            sortByPlace(places_, result_.spheres);
+            sortByPlace(places_, result_.regions);
         }
         return std::move(result_);
     }
@@ -180,12 +181,9 @@ private:
     }
 
     /// Spheres drift to where there is room, which changes what is requested of them: most are
-    /// added first, then radii follow the field again, and the others are added. Where there is
-    /// room for it, radii follow the field once more.
+    /// added first, then radii follow the field again, and the others are added.
     bool reachLocally(double fraction, const RelaxationPace& pace, LocalPack<Dim>& pack) {
         constexpr double kFirst = 0.4;
-        constexpr int kFits = 3;
-        constexpr double kFit = 2e-3;
         const double begin = reached();
         for (std::uint64_t turn = 1;; ++turn) {
             const bool isFirst = turn == 1 && !pace.isProbe;
@@ -194,28 +192,36 @@ private:
                            stage ^ (turn << 48), pack);
             if (paces_.areEqualCircles())
                 stir(options_.seed, *domain_, options_.fixed, {}, pack.spheres);
-            if (!relaxLocally(next, pace, pack)) return false;
+            if (!relaxLocally(next, pace, pack, true)) return false;
             if (turn > 1 && fractionOf(pack.spheres) >= fraction - kFractionRounding) break;
             local_->fit(pack);
         }
-        for (int k = 0; k < kFits && !(local_->misfit(pack) < kFit); ++k) {
-            LocalPack<Dim> fitted = pack;
-            const std::vector<std::uint32_t> places = places_;
-            local_->fit(fitted);
-            local_->insert((fraction - fractionOf(fitted.spheres)) * volume_, *domain_,
-                           stage ^ (std::uint64_t(100 + k) << 48), fitted);
-            if (relaxLocally(fraction, pace, fitted, false)) {
-                pack = std::move(fitted);
-            } else {
-                places_ = places;
-                break;
-            }
-        }
+        fitLocally(pack, fraction, [&](LocalPack<Dim>& fitted) {
+            return relaxLocally(fraction, pace, fitted, false);
+        });
         return !result_.interrupted;
     }
 
+    /// Spheres take the radii that are requested where they are, as often as that halves what they
+    /// are off. @param relax  removes the overlaps of a pack; no spheres exchange positions
+    template <class Relax>
+    void fitLocally(LocalPack<Dim>& pack, double fraction, const Relax& relax) {
+        constexpr double kClose = 1e-4;
+        double before = std::numeric_limits<double>::infinity();
+        for (double misfit = local_->misfit(pack); misfit > kClose && misfit < 0.5 * before;
+             misfit = local_->misfit(pack)) {
+            before = misfit;
+            LocalPack<Dim> fitted = pack;
+            local_->fit(fitted);
+            local_->insert((fraction - fractionOf(fitted.spheres)) * volume_, *domain_,
+                           ++stage ^ (1ull << 60), fitted);
+            if (!relax(fitted)) return;
+            pack = std::move(fitted);
+        }
+    }
+
     bool relaxLocally(double fraction, const RelaxationPace& pace, LocalPack<Dim>& pack,
-                      bool exchange = true) {
+                      bool exchange) {
         return relaxHere(pack.spheres, pack.classes, [&](Relaxation<Dim>& relaxation) {
             if (!exchange) relaxation.exchangeNone();
             return isRelaxed(relaxation, pace, fraction, pack.spheres.size());
@@ -276,26 +282,17 @@ private:
         }
     }
 
-    /// Spheres take the radii that are requested where they are now, and are drawn together again.
-    void follow() {
-        constexpr double kClose = 1e-4;
-        double before = std::numeric_limits<double>::infinity();
-        const double least = std::min(result_.after = reached(), options_.fraction);
-        while (result_.apart && !result_.interrupted) {
-            LocalPack<Dim> pack{result_.spheres, result_.regions, relative_};
-            const double misfit = local_->misfit(pack);
-            if (misfit < kClose || !(misfit < 0.5 * before)) return;
-            before = misfit;
-            local_->fit(pack);
-            if (fractionOf(pack.spheres) < least - kFractionRounding ||
-                !relaxOnce(std::move(pack.spheres), "sizes by place",
-                           [&](Relaxation<Dim>& relaxation, const auto& onStep) {
-                               relaxation.exchangeNone();
-                               return relaxation.drawTogether(false, callbacks_, onStep);
-                           }))
-                return;
-            result_.regions = std::move(pack.classes);
-        }
+    /// Fits the sizes by place of a pack whose spheres were drawn together.
+    void fitSettled() {
+        LocalPack<Dim> pack{result_.spheres, result_.regions, relative_};
+        fitLocally(pack, std::min(reached(), options_.fraction), [&](LocalPack<Dim>& fitted) {
+            return relaxHere(fitted.spheres, fitted.classes, [&](Relaxation<Dim>& relaxation) {
+                relaxation.exchangeNone();
+                return relaxation.drawTogether(false, callbacks_).apart;
+            });
+        });
+        result_.spheres = std::move(pack.spheres);
+        result_.regions = std::move(pack.classes);
     }
 
     /// Draws near spheres together. Where that leaves overlaps, the pack stays as it is.
@@ -370,30 +367,6 @@ private:
         for (std::uint32_t& place : places) place = places_[place];
         places_ = std::move(places);
         return true;
-    }
-
-    /// Orders the result such that each sphere is near where the one of its number was: it is the
-    /// sizes that are exchanged.
-    void sortByPlace() {
-        const std::vector<Sphere<Dim>> spheres = result_.spheres;
-        const std::vector<std::int32_t> regions = result_.regions;
-        for (std::size_t i = 0; i < places_.size(); ++i) {
-            result_.spheres[places_[i]] = spheres[i];
-            if (!regions.empty()) result_.regions[places_[i]] = regions[i];
-        }
-    }
-
-    void sortOverRanks() {
-        struct Sorted {
-            std::uint32_t place;
-            Sphere<Dim> sphere;
-        };
-        std::vector<Sorted> all;
-        for (std::size_t i = 0; i < places_.size(); ++i)
-            all.push_back({places_[i], result_.spheres[i]});
-        all = homes_->delivered(*ranks_, all, [](const Sorted& s) { return s.place; });
-        for (const Sorted& s : all)
-            result_.spheres[LabelHomes::indexOf(result_.labels, s.place)] = s.sphere;
     }
 
     const DensifyOptions& options_;

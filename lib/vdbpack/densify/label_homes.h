@@ -10,6 +10,13 @@
 
 namespace vdbpack {
 
+/// Moves values to their places.
+template <class T>
+void sortByPlace(const std::vector<std::uint32_t>& places, std::vector<T>& values) {
+    const std::vector<T> before = values;
+    for (std::size_t i = 0; i < values.size(); ++i) values[places[i]] = before[i];
+}
+
 /// Spheres are relaxed where they are, and kept by the rank that placed them: their homes. Those
 /// that are added are shared out in equal parts.
 class LabelHomes {
@@ -41,6 +48,21 @@ public:
     std::vector<std::uint32_t> valuesAt(Ranks& ranks, const std::vector<std::uint32_t>& wanted,
                                         const std::vector<std::uint32_t>& labels,
                                         const std::vector<std::uint32_t>& values) const;
+
+    /// Moves values to their places, which are labels of any rank.
+    /// @param labels  of this rank, of its values in the end.
+    template <class T>
+    void sort(Ranks& ranks, const std::vector<std::uint32_t>& labels,
+              const std::vector<std::uint32_t>& places, std::vector<T>& values) const {
+        struct Placed {
+            std::uint32_t place;
+            T value;
+        };
+        std::vector<Placed> all;
+        for (std::size_t i = 0; i < places.size(); ++i) all.push_back({places[i], values[i]});
+        all = delivered(ranks, all, [](const Placed& placed) { return placed.place; });
+        for (const Placed& placed : all) values[indexOf(labels, placed.place)] = placed.value;
+    }
 
 private:
     std::vector<std::int64_t> pieces_;

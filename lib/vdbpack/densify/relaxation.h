@@ -46,9 +46,9 @@ public:
     /// @param fixed    the first of them that stay where they are.
     /// @param regions  of the spheres, which exchange positions within a region only; empty: one.
     /// @param domain   must outlive this.
-    /// @param graded   whether sizes differ by place: then steps, and the gaps up to which
-    ///                 neighbors are listed, go with each sphere's own radius instead of the
-    ///                 smallest of all.
+    /// @param graded   whether sizes differ by place: then steps, and gaps up to which neighbors
+    /// are
+    ///                 listed, go with each sphere's own radius, not with the smallest of all.
     /// @throws ResourceError above 2^31 spheres.
     Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
                std::size_t fixed, const std::vector<std::int32_t>& regions, std::uint64_t seed,
@@ -65,7 +65,7 @@ public:
         boundary_ = &boundary;
         isInside_ = &isInside;
     }
-    /// Lets no spheres exchange positions from now on: each stays near where it is.
+    /// Lets no spheres exchange positions from now on.
     void exchangeNone() { mayExchange_ = false; }
     /// Takes steps on a device; null: on the processor alone.
     void useDevice(StepDevice* device) { device_ = device; }
@@ -398,14 +398,12 @@ private:
 
     StepDevice* device_ = nullptr;
     bool deviceTurn_ = false,
-         onDevice_ = false;  ///< until lists are renewed; whether it has the state
-    bool mayExchange_ = true;
+         onDevice_ = false;           ///< until lists are renewed; whether it has the state
     bool exchangesOnDevice_ = false;  ///< whether its last step, not taken up yet, had exchanges
 
     bool wraps_ = false;  ///< whether far spheres may have near low bits
-    bool ready_ = false;
-    /// Spheres between walls keep their places: where a front found room between walls for a small
-    /// one, there is none for a larger one.
+    bool ready_ = false, mayExchange_ = true;
+    /// Spheres between walls keep their places, where there may be no room for larger ones.
     bool settling_ = false;
 };
 
