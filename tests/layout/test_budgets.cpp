@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 96499},
+    {"lib", 96498},
     {"lib/python", 2066},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
@@ -32,7 +32,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/repair", 2843},
     {"lib/vdbpack/domain", 7116},
     {"lib/vdbpack/pack", 8165},
-    {"lib/vdbpack/densify", 6032},
+    {"lib/vdbpack/densify", 6031},
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5668},
     {"lib/vdbpack/voids", 8216},

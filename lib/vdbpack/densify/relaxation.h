@@ -397,8 +397,7 @@ private:
     std::vector<std::vector<std::uint32_t>> heard_;  ///< slots here that each rank tells of
 
     StepDevice* device_ = nullptr;
-    bool deviceTurn_ = false,
-         onDevice_ = false;           ///< until lists are renewed; whether it has the state
+    bool deviceTurn_ = false, onDevice_ = false;  ///< until lists are renewed; it has all
     bool exchangesOnDevice_ = false;  ///< whether its last step, not taken up yet, had exchanges
 
     bool wraps_ = false;  ///< whether far spheres may have near low bits
