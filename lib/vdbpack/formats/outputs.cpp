@@ -142,7 +142,10 @@ void warnOfColumns(const OutputTarget& target, const Pack<Dim>& pack, const Call
     const auto add = [&](const std::string& name) {
         if (std::find(kept.begin(), kept.end(), name) == kept.end()) lost.push_back(name);
     };
-    if (!pack.region.empty() && !numbers) add("region");
+    const auto& regions = pack.region;
+    if (!numbers && std::any_of(regions.begin(), regions.end(),
+                                [&](std::int32_t region) { return region != regions[0]; }))
+        add("region");
     for (const Column& column : pack.columns)
         if (!numbers || !column.texts.empty()) add(column.name);
     if (!lost.empty())
