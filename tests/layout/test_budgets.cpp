@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 96498},
+    {"lib", 96501},
     {"lib/python", 2066},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
@@ -36,7 +36,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/bonds", 696},
     {"lib/vdbpack/measure", 5668},
     {"lib/vdbpack/voids", 8216},
-    {"lib/vdbpack/formats", 10381},
+    {"lib/vdbpack/formats", 10384},
     {"lib/vdbpack/report", 4066},
     {"lib/vdbpack/preview", 3597},
     {"lib/vdbpack/view", 1583},
