@@ -151,6 +151,15 @@ TEST_CASE("NIfTI: the sform counts, and a qform elsewhere is reported") {
     CHECK_THAT(warningsOf(folder.file("both.nii"), &image).at(0), Contains("qform"));
     checkSame(image, made, 1e-3);
     CHECK(image.isSided);
+    // As a program leaves it that changes the voxels, and not the sform.
+    std::string finer = header;
+    float spacing;
+    std::memcpy(&spacing, finer.data() + 80, sizeof spacing);
+    spacing *= 2;
+    finer.replace(80, 4, reinterpret_cast<const char*>(&spacing), 4);
+    writeBytes(folder.file("finer.nii"), finer + bytesOfValues(made.values));
+    CHECK_THAT(warningsOf(folder.file("finer.nii"), &image).at(0), Contains("mm³ by its qform"));
+    checkSame(image, made, 1e-3);
     const std::int16_t none = 0;
     for (const std::size_t at : {252u, 254u})
         header.replace(at, 2, reinterpret_cast<const char*>(&none), 2);

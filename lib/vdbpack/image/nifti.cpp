@@ -72,6 +72,9 @@ std::vector<LabelName> labelNames(const nifti_image& nifti) {
     return names;
 }
 
+/// Share by which the volumes of voxels by sform and qform differ where one of them is wrong.
+constexpr double kOtherVoxel = 0.01;
+
 /// Reads the numbers as they are; niftilib would make those that are not finite 0.
 void readVoxels(const nifti_image& nifti, const std::string& path, Image& image) {
     const std::string file = nifti.iname ? nifti.iname : path;
@@ -117,7 +120,14 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
         ImageGrid other = gridOf(nifti->qto_xyz, unit);
         other.size = size;
         const double off = nifti->qform_code > 0 ? cornersApart(grid, other) : 0;
-        if (off > 0.1)
+        const double volume = std::fabs(grid.signedVoxelVolume()),
+                     otherVolume = std::fabs(other.signedVoxelVolume());
+        if (nifti->qform_code > 0 && std::fabs(otherVolume - volume) > kOtherVoxel * volume)
+            callbacks.warn(fmt::format(
+                "{}: its voxels have {:.4g} mm³ by its sform, which is used, and {:.4g} mm³ by its "
+                "qform; if that is their size, remove the sform (code 0)",
+                path, volume, otherVolume));
+        else if (off > 0.1)
             callbacks.warn(fmt::format(
                 "{}: its sform and its qform place it {:.3g} voxels apart; the sform is used", path,
                 off));
