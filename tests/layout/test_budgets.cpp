@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in *.cl. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 96511},
+    {"lib", 96515},
     {"lib/python", 2066},
     {"lib/vdbpack/core", 2623},
     {"lib/vdbpack/io", 2961},
     {"lib/vdbpack/mesh", 4183},
     {"lib/vdbpack/verify", 2453},
-    {"lib/vdbpack/image", 5790},
+    {"lib/vdbpack/image", 5794},
     {"lib/vdbpack/field", 6109},
     {"lib/vdbpack/repair", 2843},
     {"lib/vdbpack/domain", 7116},

@@ -72,8 +72,23 @@ std::vector<LabelName> labelNames(const nifti_image& nifti) {
     return names;
 }
 
-/// Share by which the volumes of voxels by sform and qform differ where one of them is wrong.
-constexpr double kOtherVoxel = 0.01;
+/// Warns of a qform that says something else than the sform.
+void warnOfOther(const ImageGrid& sform, const ImageGrid& qform, const std::string& path,
+                 const Callbacks& callbacks) {
+    constexpr double kOtherVoxel = 0.01, kElsewhere = 0.1;  // of its volume, and voxels
+    const double volume = std::fabs(sform.signedVoxelVolume()),
+                 other = std::fabs(qform.signedVoxelVolume());
+    const double off = cornersApart(sform, qform);
+    if (std::fabs(other - volume) > kOtherVoxel * volume)
+        callbacks.warn(fmt::format(
+            "{}: its voxels have {:.4g} mm³ by its sform, which is used, and {:.4g} mm³ by its "
+            "qform; if that is their size, remove the sform (code 0)",
+            path, volume, other));
+    else if (off > kElsewhere)
+        callbacks.warn(fmt::format(
+            "{}: its sform and its qform place it {:.3g} voxels apart; the sform is used", path,
+            off));
+}
 
 /// Reads the numbers as they are; niftilib would make those that are not finite 0.
 void readVoxels(const nifti_image& nifti, const std::string& path, Image& image) {
@@ -119,18 +134,7 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
         grid.size = size;
         ImageGrid other = gridOf(nifti->qto_xyz, unit);
         other.size = size;
-        const double off = nifti->qform_code > 0 ? cornersApart(grid, other) : 0;
-        const double volume = std::fabs(grid.signedVoxelVolume()),
-                     otherVolume = std::fabs(other.signedVoxelVolume());
-        if (nifti->qform_code > 0 && std::fabs(otherVolume - volume) > kOtherVoxel * volume)
-            callbacks.warn(fmt::format(
-                "{}: its voxels have {:.4g} mm³ by its sform, which is used, and {:.4g} mm³ by its "
-                "qform; if that is their size, remove the sform (code 0)",
-                path, volume, otherVolume));
-        else if (off > 0.1)
-            callbacks.warn(fmt::format(
-                "{}: its sform and its qform place it {:.3g} voxels apart; the sform is used", path,
-                off));
+        if (nifti->qform_code > 0) warnOfOther(grid, other, path, callbacks);
     } else {
         grid = gridOf(nifti->qto_xyz, unit);
         grid.size = size;
